@@ -1,0 +1,259 @@
+"""One OpenCL program for exactly what a scene uses.
+
+`ProgramSpec` names everything that the kernels' text depends on: the lane width, the element
+classes, surfaces, sources and effects in use, and a few counts. Two scenes with equal specs share a
+program; parameters live in buffers and do not recompile anything.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import time
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Final
+
+from hostcode.errors import KernelBuildError
+from hostcode.structs import ITEM, LAUNCH, c_struct
+from hostcode.templates import lane, render
+
+if TYPE_CHECKING:
+    import pyopencl as cl
+
+    from hostcode.device import OpenDevice
+
+__all__ = [
+    "MATERIAL_STRIDE",
+    "MAX_REGISTER_ELEMENTS",
+    "OPTIONS",
+    "ROW_STRIDE",
+    "SOURCE_STRIDE",
+    "ElementClass",
+    "Program",
+    "ProgramSpec",
+    "SourceKind",
+    "SurfaceKind",
+    "build",
+    "program_source",
+]
+
+ROW_STRIDE: Final = 24
+MATERIAL_STRIDE: Final = 4
+SOURCE_STRIDE: Final = 20
+MAX_REGISTER_ELEMENTS: Final = 8
+"""Up to this many elements the ledger is kept in registers."""
+
+OPTIONS: Final[tuple[str, ...]] = ("-cl-std=CL1.2",)
+"""Build options; no ``-cl-*-math`` option may ever stand here."""
+
+
+@dataclass(frozen=True, order=True)
+class ElementClass:
+    """Elements that one intersection function serves.
+
+    Parameters
+    ----------
+    kind : str
+        Stem of the kernel file in ``kernels/elements``.
+    flat : bool
+        Whether it lies in a plane.
+    axis : int or None
+        World axis (0, 1, 2) of the normal or port; None where it is tilted or has no meaning.
+    ported : bool
+        Whether a part is cut out of a sphere.
+    single : bool
+        Whether the scene has just one element of the class.
+    number : int
+        Its place in the class table.
+    """
+
+    kind: str
+    flat: bool
+    axis: int | None = field(compare=False)
+    ported: bool = False
+    single: bool = False
+    number: int = 0
+
+    @property
+    def suffix(self) -> str:
+        """Suffix of its functions."""
+        port = "_ported" if self.ported else ""
+        if self.axis is not None:
+            return f"{self.kind}_{'xyz'[self.axis]}{port}"
+        return f"{self.kind}_tilted{port}" if self.flat or self.ported else self.kind
+
+
+@dataclass(frozen=True)
+class SurfaceKind:
+    """A surface kind in use and its number."""
+
+    kind: str
+    number: int
+
+
+@dataclass(frozen=True)
+class SourceKind:
+    """A source kind in use: stem of its kernel file, number, whether it draws a position."""
+
+    stem: str
+    number: int
+    extended: bool
+
+
+@dataclass(frozen=True)
+class ProgramSpec:
+    """Everything that the text of a program depends on."""
+
+    classes: tuple[ElementClass, ...]
+    surfaces: tuple[SurfaceKind, ...]
+    sources: tuple[SourceKind, ...]
+    effects: frozenset[str]
+    n_elements: int
+    """Number of elements where the ledger is kept in registers, else 0."""
+    one_material: bool
+    lanes: int = 1
+    interleaved: bool = False
+    stages: tuple[str, ...] = ("wave",)
+
+    def for_device(self, lanes: int, interleaved: bool, stages: tuple[str, ...]) -> ProgramSpec:
+        """Return the spec with what a device and a composition add."""
+        return replace(self, lanes=lanes, interleaved=interleaved, stages=stages)
+
+    @property
+    def records(self) -> bool:
+        """Whether endings are recorded for the tally stage."""
+        return bool(self.effects & {"far-field", "detector"})
+
+    @property
+    def queue_fields(self) -> dict[str, tuple[str, ...]]:
+        """The packet's fields by type, as the queue stores them."""
+        real = ["ox", "oy", "oz", "dx", "dy", "dz", "w"]
+        if {"shares", "roulette"} <= self.effects:
+            real.append("launched")
+        long = ["left"]
+        if "splitting" in self.effects:
+            long.append("path")
+        word = ("ray_lo", "ray_hi", "generation")
+        return {"queue_real": tuple(real), "queue_word": word, "queue_long": tuple(long)}
+
+
+def program_source(spec: ProgramSpec) -> str:
+    """Return the OpenCL C text of a program.
+
+    Raises
+    ------
+    KernelBuildError
+        Where a template does not render.
+    """
+    context: dict[str, Any] = {
+        "lanes": spec.lanes,
+        "lane": lambda value, number: lane(value, number, spec.lanes),
+        "effects": spec.effects,
+        "classes": spec.classes,
+        "surfaces": spec.surfaces,
+        "sources": spec.sources,
+        "records": spec.records,
+        "interleaved": spec.interleaved,
+        "one_material": spec.one_material,
+        "n_elements": spec.n_elements,
+        "ledger_rows": spec.n_elements + 4 if spec.n_elements else 0,
+        "row_stride": ROW_STRIDE,
+        "material_stride": MATERIAL_STRIDE,
+        "source_stride": SOURCE_STRIDE,
+        "launch_struct": c_struct("launch_t", LAUNCH),
+        "item_struct": c_struct("item_t", ITEM),
+        **spec.queue_fields,
+    }
+    parts = [("prelude.mako", {}), ("lib/philox.mako", {})]
+    parts += [(f"lib/{stem}.mako", {}) for stem in ("elementary", "vectors", "limbs", "packets")]
+    parts += [("lib/faces.mako", {})]
+    for cls in spec.classes:
+        if cls.flat:
+            parts.append(("lib/flat.mako", {"cls": cls}))
+        parts.append((f"elements/{cls.kind}.mako", {"cls": cls}))
+    parts += [("lib/nearest.mako", {}), ("lib/locate.mako", {}), ("lib/ledger.mako", {})]
+    parts += [(f"surfaces/{surface.kind}.mako", {}) for surface in spec.surfaces]
+    if "detector" in spec.effects or "far-field" in spec.effects:
+        parts.append(("detectors/bins.mako", {}))
+    if "detector" in spec.effects:
+        parts.append(("detectors/detector.mako", {}))
+    if "far-field" in spec.effects:
+        parts.append(("effects/far_field.mako", {}))
+    if "roulette" in spec.effects:
+        parts.append(("effects/roulette.mako", {}))
+    parts += [("lib/shade.mako", {}), ("lib/survive.mako", {}), ("lib/sources.mako", {})]
+    parts += [(f"sources/{source.stem}.mako", {}) for source in spec.sources]
+    parts += [("lib/generate.mako", {}), ("lib/queue.mako", {}), ("lib/arguments.mako", {})]
+    parts += [(f"stages/{stage}.mako", {}) for stage in spec.stages]
+    if spec.records and spec.stages != ("probe",):
+        parts.append(("stages/tally.mako", {}))
+    return "".join(render(name, **context, **extra) for name, extra in parts)
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program built for one device."""
+
+    spec: ProgramSpec
+    source: str
+    digest: str
+    build_seconds: float
+    built: cl.Program
+
+    def kernel(self, name: str) -> cl.Kernel:
+        """Return a new kernel object; keep it, each call makes another."""
+        import pyopencl as cl
+
+        return cl.Kernel(self.built, name)
+
+
+_CACHE: dict[tuple[int, ProgramSpec], Program] = {}
+_MESSAGE = re.compile(r'(?:^|\s)"?kernels/(?P<name>[\w/]+\.mako)"?:(?P<line>\d+):(?P<rest>.*)')
+
+
+def _build_error(log: str) -> KernelBuildError:
+    """Turn a compiler's log into an error that points into a template."""
+    from hostcode.assets import kernels_dir
+
+    matches = [m for m in map(_MESSAGE.search, log.splitlines()) if m]
+    found = next((m for m in matches if "error" in m["rest"]), matches[0] if matches else None)
+    if found is None:
+        return KernelBuildError("(program)", None, "the compiler refused it", log)
+    name, line = found["name"], int(found["line"])
+    text = (kernels_dir() / name).read_text(encoding="utf-8").splitlines()
+    near = range(max(line - 2, 1), min(line + 2, len(text)) + 1)
+    excerpt = "\n".join(f"{'>' if n == line else ' '}{n:5d} | {text[n - 1]}" for n in near)
+    return KernelBuildError(name, line, found["rest"].strip(), f"{excerpt}\n\n{log}")
+
+
+def build(device: OpenDevice, spec: ProgramSpec) -> Program:
+    """Build (or take from this process's cache) the program of a spec on a device.
+
+    Parameters
+    ----------
+    device : OpenDevice
+        An open device; programs are cached for each context.
+    spec : ProgramSpec
+        What the program must do.
+
+    Raises
+    ------
+    KernelBuildError
+        Where a template does not render or the compiler refuses the text; names the template's line.
+    """
+    import pyopencl as cl
+
+    key = (device.context.int_ptr, spec)
+    if key in _CACHE:
+        return _CACHE[key]
+    source = program_source(spec)
+    digest = hashlib.sha256("\0".join((source, *OPTIONS)).encode()).hexdigest()
+    started = time.perf_counter()
+    program = cl.Program(device.context, source)
+    try:
+        built = program.build(options=list(OPTIONS))
+    except cl.RuntimeError as error:
+        raise _build_error(str(error)) from error
+    made = Program(spec, source, digest, time.perf_counter() - started, built)
+    _CACHE[key] = made
+    return made

@@ -1,0 +1,25 @@
+// Russian roulette: a ray below the floor goes on with twice its weight or ends, each with
+// probability 1/2 (a draw from [0, 1) below 1/2 goes on).  Both changes of weight are booked.
+// reads: weight, floor (fraction of the launched weight), draw DECIDE_ROULETTE.
+// writes: weight, alive; rows killed and boosted.
+FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger) {
+% if "shares" in effects:
+    const real floor_weight = p->launched * launch->roulette_floor;
+% else:
+    const real floor_weight = splat(launch->roulette_floor);
+% endif
+    const mask low = p->alive & LT(p->w, floor_weight);
+    if (ANY(low)) {
+        real u, v;
+        draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_ROULETTE,
+                  &u, &v);
+        const mask lives = low & LT(u, splat(0.5));
+        const mask ends = low & ~lives;
+        const image_t before = image_of(p->w);
+        const image_t twice = image_of(p->w + p->w);
+        book_row(launch, ledger, ROW_KILLED, ends, before);
+        book_row(launch, ledger, ROW_BOOSTED, lives, image_difference(twice, before));
+        p->w = SEL(lives, p->w + p->w, p->w);
+        p->alive &= ~ends;
+    }
+}

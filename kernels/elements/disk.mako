@@ -1,0 +1,25 @@
+## cls: the element class; rendered once a class
+// Disk: x^2 + y^2 <= radius^2 in its plane, rim included: a hit within the rounding bound of the
+// rim counts.
+// reads: row, packet.  gives: distance, whether it is hit, whether that is near the rim.
+FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
+                      const scene_t *scene, real *t, mask *edge) {
+    real x, y, fx, fy;
+    const mask on = flat_${cls.suffix}(row, p, departed, scene, t, &x, &y, &fx, &fy);
+    const real bound = fma(fx + fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[3]));
+    const real r2 = fma(x, x, y * y);
+    const mask ok = on & LE(r2, bound * bound);
+    *edge = ok & GT(r2, splat(row[5] * row[5]));
+    return ok;
+}
+
+// Moves a point beyond the rim's inner bound back onto it; gives the lanes moved.
+FN mask clamp_${cls.suffix}(const scene_t *scene, lint row, mask m, real *x, real *y) {
+    const real radius = gather(scene->geometry + 5, row);
+    const real r = sqrt(fma(*x, *x, *y * *y));
+    const mask moved = m & GT(r, radius);
+    const real k = SEL(moved, radius / r, splat(1.0));
+    *x *= k;
+    *y *= k;
+    return moved;
+}

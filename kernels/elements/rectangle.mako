@@ -1,0 +1,23 @@
+## cls: the element class; rendered once a class
+// Rectangle: |x| <= half width, |y| <= half height in its plane, edges included: a hit within the
+// rounding bound of an edge counts.
+// reads: row, packet.  gives: distance, whether it is hit, whether that is near an edge.
+FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
+                      const scene_t *scene, real *t, mask *edge) {
+    real x, y, fx, fy;
+    const mask on = flat_${cls.suffix}(row, p, departed, scene, t, &x, &y, &fx, &fy);
+    const real ax = fabs(x), ay = fabs(y);
+    const mask ok = on & LE(ax, fma(fx, splat(4.0 * UNIT_ROUNDOFF), splat(row[3])))
+                       & LE(ay, fma(fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[4])));
+    *edge = ok & (GT(ax, splat(row[5])) | GT(ay, splat(row[6])));
+    return ok;
+}
+
+// Moves a point beyond the edge's inner bound back onto it; gives the lanes moved.
+FN mask clamp_${cls.suffix}(const scene_t *scene, lint row, mask m, real *x, real *y) {
+    const real hx = gather(scene->geometry + 5, row), hy = gather(scene->geometry + 6, row);
+    const mask moved = m & (GT(fabs(*x), hx) | GT(fabs(*y), hy));
+    *x = SEL(moved, clamp(*x, -hx, hx), *x);
+    *y = SEL(moved, clamp(*y, -hy, hy), *y);
+    return moved;
+}

@@ -1,0 +1,78 @@
+## cls: the element class (axis of the port or None, ported); rendered once a class
+<%
+    names = "xyz"
+%>
+// Sphere${", with a port" if cls.ported else ""}.
+// Row: 0-2 centre, 3 radius, 4 1/radius^2, 5 1/radius, 6 height of the port's rim with its rounding
+// bound, 7 rounding bound of |f|^2 - R^2, 8 sign of the axis, 15-23 frame.
+//
+// With f the origin seen from the centre and b = -f.d: the closest approach is b along the ray at
+// distance |l|, and the roots are b -+ s, s^2 = R^2 - |l|^2.  The larger root in magnitude is taken
+// as it stands and the other from the product of the roots.  A ray that left this sphere has one
+// root at 0, which is removed, and the other at 2b, reached only from inside.  A tangent ray (s = 0)
+// hits.
+% if cls.ported:
+FN mask in_port_${cls.suffix}(__global const double *row, real fx, real fy, real fz,
+                          real dx, real dy, real dz, real t) {
+% if cls.axis is None:
+    __global const double *f = row + ROW_FRAME + 6;
+    const real h = dot3(fx, fy, fz, splat(f[0]), splat(f[1]), splat(f[2]));
+    const real dh = dot3(dx, dy, dz, splat(f[0]), splat(f[1]), splat(f[2]));
+% else:
+    const real h = f${names[cls.axis]} * row[8], dh = d${names[cls.axis]} * row[8];
+% endif
+    return GT(fma(t, dh, h), fma(fabs(h), splat(4.0 * UNIT_ROUNDOFF), splat(row[6])));
+}
+% endif
+
+FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
+                      const scene_t *scene, real *t_out, mask *edge) {
+    const real fx = p->ox - row[0], fy = p->oy - row[1], fz = p->oz - row[2];
+    const real b = -dot3(fx, fy, fz, p->dx, p->dy, p->dz);
+    const mask inside = departed & EQ(p->left & 2L, lsplat(0L));
+    real t = 2.0 * fabs(b);
+    mask ok = inside;
+% if cls.ported:
+    ok &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t);
+% endif
+    const mask free_lanes = ~departed & p->alive;
+    if (ANY(free_lanes)) {
+        const real radius = splat(row[3]);
+        const real lx = fma(b, p->dx, fx), ly = fma(b, p->dy, fy), lz = fma(b, p->dz, fz);
+        const real l = sqrt(dot3(lx, ly, lz, lx, ly, lz));
+        const real discriminant = (radius - l) * (radius + l);
+        const real s = sqrt(fmax(discriminant, splat(0.0)));
+        // |f|^2 - R^2 with the products' rounding errors carried along
+        const real xx = fx * fx, yy = fy * fy, zz = fz * fz, rr = radius * radius;
+        const real xe = fma(fx, fx, -xx), ye = fma(fy, fy, -yy), ze = fma(fz, fz, -zz);
+        const real re = fma(radius, radius, -rr);
+        const real s1 = xx + yy, s1b = s1 - xx, s1e = (xx - (s1 - s1b)) + (yy - s1b);
+        const real s2 = s1 + zz, s2b = s2 - s1, s2e = (s1 - (s2 - s2b)) + (zz - s2b);
+        const real c = (s2 - rr) + (((xe + ye) + (ze - re)) + (s1e + s2e));
+        const real q = b + copysign(s, b);
+        const real other = SEL(EQ(q, splat(0.0)), splat(0.0), c / q);
+        real t1 = fmin(q, other), t2 = fmax(q, other);
+        mask ok1 = GE(t1, splat(0.0)), ok2 = GE(t2, splat(0.0));
+        const mask on_surface = LE(fabs(c), splat(row[7])) & free_lanes;
+        if (ANY(on_surface)) {
+            const real k = splat(row[5]);
+            const mask cross = crosses(scene, p, fx * k, fy * k, fz * k, -b, splat(0.0));
+            const real chord = 2.0 * b;
+            t1 = SEL(on_surface, splat(0.0), t1);
+            ok1 = SEL(on_surface, cross, ok1);
+            t2 = SEL(on_surface, chord, t2);
+            ok2 = SEL(on_surface, GT(chord, splat(0.0)), ok2);
+        }
+        const mask real_roots = GE(discriminant, splat(0.0)) | on_surface;
+        ok1 &= real_roots;
+        ok2 &= real_roots;
+% if cls.ported:
+        ok1 &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t1);
+        ok2 &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t2);
+% endif
+        t = SEL(free_lanes, SEL(ok1, t1, t2), t);
+        ok = SEL(free_lanes, ok1 | ok2, ok);
+    }
+    *t_out = t;
+    return ok & p->alive;
+}

@@ -1,0 +1,47 @@
+## effects, records, queue fields
+// The stages' common arguments, and what each work-item makes of them.
+#define SCENE_ARGUMENTS __global const launch_t *launch_buffer, __global const double *geometry, __global const double *materials, __global const double *sources, __global const long *codes, __global long *tally
+#define QUEUE_ARGUMENTS __global item_t *items, __global long *status, __global double *queue_reals, __global uint *queue_words, __global long *queue_longs
+#define RECORD_ARGUMENTS __global double *record_reals, __global uint *record_words
+
+FN scene_t open_scene(__global const double *geometry, __global const double *materials,
+                      __global const double *sources, __global const long *codes) {
+    const scene_t s = {geometry, materials, sources, codes};
+    return s;
+}
+FN launch_t open_launch(__global const launch_t *launch) {
+    return *launch;
+}
+FN queue_t open_queue(const launch_t *launch, __global double *reals, __global uint *words,
+                      __global long *longs, ulong me) {
+    const queue_t q = {reals, words, longs, launch->items, launch->stack_capacity, me};
+    return q;
+}
+% if records:
+FN records_t open_records(const launch_t *launch, __global double *reals, __global uint *words,
+                          ulong me) {
+    const records_t r = {reals, words, launch->record_capacity, me};
+    return r;
+}
+% endif
+FN void clear_packet(packet_t *p) {
+% for name in queue_real:
+    p->${name} = splat(0.0);
+% endfor
+% for name in queue_word:
+    p->${name} = wsplat(0u);
+% endfor
+% for name in queue_long:
+    p->${name} = ${"(luint)(1UL)" if name == "path" else "lsplat(NO_FACE)"};
+% endfor
+    p->alive = lsplat(0L);
+}
+
+// status: 0 work-items with work left, 1 work-items whose segment is too small, 2 interactions.
+FN void report(__global long *status, const item_t *item, uint blocked) {
+    if (item->stack || item->next < item->end) atom_add(status, 1L);
+    if (blocked) atom_add(status + 1, 1L);
+}
+FN void report_interactions(__global long *status, const ledger_t *ledger) {
+    atom_add(status + 2, sum_lanes(ledger->interactions));
+}

@@ -1,0 +1,42 @@
+## classes: every element class of the program
+// The outward unit normal of the face `code` at a point on it, for each lane in m.
+FN void face_normal(const scene_t *scene, lint code, mask m, real x, real y, real z,
+                    real *nx, real *ny, real *nz) {
+    const lint row = SEL(m, ELEMENT_OF(code) * ROW, lsplat(0L));
+    *nx = splat(0.0); *ny = splat(0.0); *nz = splat(0.0);
+% for cls in classes:
+    {
+        const mask k = m & EQ(CLASS_OF(code), lsplat(${cls.number}L));
+        if (ANY(k)) {
+% if cls.flat and cls.axis is not None:
+            *n${"xyz"[cls.axis]} = SEL(k, AXIS_SIGN(code), *n${"xyz"[cls.axis]});
+% elif cls.flat:
+            *nx = SEL(k, gather(scene->geometry + ROW_FRAME + 6, row), *nx);
+            *ny = SEL(k, gather(scene->geometry + ROW_FRAME + 7, row), *ny);
+            *nz = SEL(k, gather(scene->geometry + ROW_FRAME + 8, row), *nz);
+% else:
+            const real r = gather(scene->geometry + 5, row);
+            *nx = SEL(k, (x - gather(scene->geometry, row)) * r, *nx);
+            *ny = SEL(k, (y - gather(scene->geometry + 1, row)) * r, *ny);
+            *nz = SEL(k, (z - gather(scene->geometry + 2, row)) * r, *nz);
+% endif
+        }
+    }
+% endfor
+}
+
+// A ray starts on another face, within rounding, whose normal there is n: is that face hit at
+// distance zero?  A launched ray leaves every face it starts on.  Where the face just left is
+// parallel (faces in contact), the ray hits this one only if it goes through to the other side
+// than it came from; else the sign of the distance decides (an edge).
+FN mask crosses(const scene_t *scene, const packet_t *p, real nx, real ny, real nz,
+                real d_n, real h_d) {
+    const mask launched = EQ(p->left, lsplat(NO_FACE));
+    real mx, my, mz;
+    face_normal(scene, p->left >> 2, p->alive & ~launched, p->ox, p->oy, p->oz, &mx, &my, &mz);
+    const real parallel = dot3(nx, ny, nz, mx, my, mz);
+    const mask contact = GE(fabs(parallel), splat(1.0 - 0x1p-20));
+    const mask came_from_minus = LT(parallel, splat(0.0)) ^ EQ(p->left & 1L, lsplat(0L));
+    const mask goes_minus = LT(d_n, splat(0.0));
+    return ~launched & SEL(contact, came_from_minus ^ goes_minus, LE(h_d, splat(0.0)));
+}

@@ -1,0 +1,78 @@
+## effects, ledger_rows (number of rows kept in registers, 0 for none), n_elements where that is > 0
+// The ledger of one work-item: what elements absorb, what escapes, what roulette and the generation
+// cap take.  Rows: element 0 ... n-1, escaped, killed, boosted, depth-capped.
+//
+// Few rows: partial sums per lane in registers, added to the batch's tally when the work-item
+// returns.  Many rows: added to the tally at once.  Either way the sums are exact integers.
+#define ROW_ESCAPED 0
+#define ROW_KILLED 1
+#define ROW_BOOSTED 2
+#define ROW_CAPPED 3
+#define CELL 4
+
+typedef struct {
+    __global long *tally;
+    lint interactions;
+% for r in range(ledger_rows):
+    lint a${r}, b${r}, c${r};
+% endfor
+} ledger_t;
+
+FN void open_ledger(ledger_t *ledger, __global long *tally) {
+    ledger->tally = tally;
+    ledger->interactions = lsplat(0L);
+% for r in range(ledger_rows):
+    ledger->a${r} = lsplat(0L); ledger->b${r} = lsplat(0L); ledger->c${r} = lsplat(0L);
+% endfor
+}
+
+% if not ledger_rows:
+FN void add_limbs(__global long *cell, long a, long b, long c) {
+    if (a) atom_add(cell, a);
+    if (b) atom_add(cell + 1, b);
+    if (c) atom_add(cell + 2, c);
+}
+% endif
+
+// Books the image on row[lane] of each lane in m.
+FN void book(ledger_t *ledger, lint row, mask m, image_t image) {
+% for r in range(ledger_rows):
+    {
+        const mask k = m & EQ(row, lsplat(${r}L));
+        ledger->a${r} += image.p0 & k; ledger->b${r} += image.p1 & k; ledger->c${r} += image.p2 & k;
+    }
+% endfor
+% if not ledger_rows:
+% for l in range(lanes):
+    if (${lane("m", l)})
+        add_limbs(ledger->tally + ${lane("row", l)} * CELL, ${lane("image.p0", l)}, ${lane("image.p1", l)}, ${lane("image.p2", l)});
+% endfor
+% endif
+}
+
+// Books the image on one of the rows behind the elements'.
+FN void book_row(const launch_t *launch, ledger_t *ledger, int which, mask m, image_t image) {
+% if ledger_rows:
+    // `which` is a constant where this is called: the comparisons vanish
+% for k in range(4):
+    if (which == ${k}) {
+        ledger->a${n_elements + k} += image.p0 & m;
+        ledger->b${n_elements + k} += image.p1 & m;
+        ledger->c${n_elements + k} += image.p2 & m;
+    }
+% endfor
+% else:
+    book(ledger, lsplat((long)launch->n_elements + which), m, image);
+% endif
+}
+
+FN void close_ledger(ledger_t *ledger) {
+% for r in range(ledger_rows):
+    {
+        const long a = sum_lanes(ledger->a${r}), b = sum_lanes(ledger->b${r}), c = sum_lanes(ledger->c${r});
+        if (a) atom_add(ledger->tally + ${r} * CELL, a);
+        if (b) atom_add(ledger->tally + ${r} * CELL + 1, b);
+        if (c) atom_add(ledger->tally + ${r} * CELL + 2, c);
+    }
+% endfor
+}

@@ -1,0 +1,45 @@
+// Exact tallies: a weight as three signed pieces, units 2^-31, 2^-63 and 2^-95.
+//
+// w = (p0 * 2^64 + p1 * 2^32 + p2) * 2^-95 for 0 <= w <= 4, the last piece rounded to nearest: a
+// double of at least 2^-42 is represented without error.  Pieces are added to 64-bit integers, so
+// a sum does not depend on the order of its terms.  Adding 1.5 * 2^52 leaves the nearest integer
+// in the low bits; differences of two images need no subtraction of that constant.
+#define LIMB_MAGIC 0x1.8p52
+typedef struct { lint p0, p1, p2; } image_t;
+
+FN image_t image_of(real w) {
+    image_t r;
+    const real s = w * 0x1p31;
+    const real t0 = s + LIMB_MAGIC;
+    const real r1 = (s - (t0 - LIMB_MAGIC)) * 0x1p32;
+    const real t1 = r1 + LIMB_MAGIC;
+    const real r2 = (r1 - (t1 - LIMB_MAGIC)) * 0x1p32;
+    const real t2 = r2 + LIMB_MAGIC;
+    const long zero = as_long(LIMB_MAGIC);
+    r.p0 = AS_LINT(t0) - zero;
+    r.p1 = AS_LINT(t1) - zero;
+    r.p2 = AS_LINT(t2) - zero;
+    return r;
+}
+FN image_t image_difference(image_t a, image_t b) {
+    image_t r;
+    r.p0 = a.p0 - b.p0;
+    r.p1 = a.p1 - b.p1;
+    r.p2 = a.p2 - b.p2;
+    return r;
+}
+
+// The same for one number, for the kernels that bin records one at a time.
+FN void add_exact(__global long *cell, double w) {
+    const double s = w * 0x1p31;
+    const double t0 = s + LIMB_MAGIC;
+    const double r1 = (s - (t0 - LIMB_MAGIC)) * 0x1p32;
+    const double t1 = r1 + LIMB_MAGIC;
+    const double t2 = (r1 - (t1 - LIMB_MAGIC)) * 0x1p32 + LIMB_MAGIC;
+    const long zero = as_long(LIMB_MAGIC);
+    const long p0 = as_long(t0) - zero, p1 = as_long(t1) - zero, p2 = as_long(t2) - zero;
+    if (p0) atom_add(cell, p0);
+    if (p1) atom_add(cell + 1, p1);
+    if (p2) atom_add(cell + 2, p2);
+    atom_add(cell + 3, 1L);
+}

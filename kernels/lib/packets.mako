@@ -1,0 +1,60 @@
+## effects, launch_struct (text of the typedef), item_struct, queue fields
+// The ray packet, the surface hit, and what one launch is told.
+
+${launch_struct}
+${item_struct}
+
+// A ray in every lane.  Weights are relative to the heaviest launched ray of the scene.
+// left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
+// or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
+typedef struct {
+    real ox, oy, oz, dx, dy, dz, w;
+    lint left;
+    word ray_lo, ray_hi, generation;
+% if "splitting" in effects:
+    luint path;
+% endif
+% if "shares" in effects and "roulette" in effects:
+    real launched;
+% endif
+    mask alive;
+} packet_t;
+
+// What the kernels read of the compiled scene.
+typedef struct {
+    __global const double *geometry;    // a row per element, in file order
+    __global const double *materials;   // a row per distinct surface
+    __global const double *sources;     // a row per source
+    __global const long *codes;         // classes' bounds, elements' codes by class, materials' rows
+} scene_t;
+
+// code: element number << 5 | (normal points down its axis) << 4 | element class.
+// plane: the coordinate of a flat face across an axis.  edge: it was met within
+// rounding of its edge.
+typedef struct {
+    real t;
+    lint code;
+    mask found;
+    real plane;
+    mask edge;
+} hit_t;
+
+typedef struct {
+    real x, y, z, nx, ny, nz;
+    mask came_plus;
+} contact_t;
+
+// Columns of an element's row in the geometry table.
+#define ROW ${row_stride}
+#define ROW_FRAME 15
+#define ELEMENT_OF(code) ((code) >> 5)
+#define AXIS_SIGN(code) SEL(NE((code) & 16L, lsplat(0L)), splat(-1.0), splat(1.0))
+#define CLASS_OF(code) ((code) & 15L)
+
+FN luint path_of(const packet_t *p) {
+% if "splitting" in effects:
+    return p->path;
+% else:
+    return (luint)(1UL);
+% endif
+}

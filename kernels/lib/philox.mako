@@ -1,0 +1,68 @@
+// Philox4x32-10 (Salmon, Moraes, Dror, Shaw, SC'11), and how photizon_cl keys it.
+//
+// key     = the 64-bit seed
+// counter = (ray number: 48 bits, decision: 4 bits, path position: 56 bits, generation: 20 bits),
+//           packed as c0 = ray[31:0], c1 = ray[47:32] | decision << 16 | path[55:44] << 20,
+//           c2 = path[31:0], c3 = generation | path[43:32] << 20.
+// Every draw of a run has a counter of its own; a draw that is not made shifts no other.
+#define PHILOX_M0 0xD2511F53u
+#define PHILOX_M1 0xCD9E8D57u
+#define PHILOX_W0 0x9E3779B9u
+#define PHILOX_W1 0xBB67AE85u
+
+#define DECIDE_DIRECTION 0u
+#define DECIDE_POSITION 1u
+#define DECIDE_SCATTER 2u
+#define DECIDE_ROULETTE 3u
+
+FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) {
+    word x0 = *c0, x1 = *c1, x2 = *c2, x3 = *c3;
+% for r in range(10):
+    {
+% if lanes == 1:
+        const ulong p0 = (ulong)x0 * PHILOX_M0, p1 = (ulong)x2 * PHILOX_M1;
+        const uint h0 = (uint)(p0 >> 32), h1 = (uint)(p1 >> 32), l0 = (uint)p0, l1 = (uint)p1;
+% else:
+        const luint p0 = TO_LUINT(x0) * (ulong)PHILOX_M0, p1 = TO_LUINT(x2) * (ulong)PHILOX_M1;
+        const word h0 = TO_WORD(p0 >> 32), h1 = TO_WORD(p1 >> 32), l0 = TO_WORD(p0), l1 = TO_WORD(p1);
+% endif
+        const word y0 = h1 ^ x1 ^ (k0 + ${r}u * PHILOX_W0);
+        const word y2 = h0 ^ x3 ^ (k1 + ${r}u * PHILOX_W1);
+        x0 = y0; x1 = l1; x2 = y2; x3 = l0;
+    }
+% endfor
+    *c0 = x0; *c1 = x1; *c2 = x2; *c3 = x3;
+}
+
+// Two words to a double in [0, 1): 53 bits, every step exact.
+FN real u01_closed_open(word hi, word lo) {
+    return fma(TO_REAL(hi), splat(0x1p-32), TO_REAL(lo >> 11) * 0x1p-53);
+}
+
+// The two uniforms in [0, 1) of one decision of one ray.
+FN void draw_pair(ulong seed, word ray_lo, word ray_hi, luint path, word generation, uint decision,
+                  real *u, real *v) {
+    word c0 = ray_lo;
+    word c1 = ray_hi | (decision << 16) | (TO_WORD(path >> 44) << 20);
+    word c2 = TO_WORD(path);
+    word c3 = generation | (TO_WORD(path >> 32) << 20);
+    philox4x32_10(&c0, &c1, &c2, &c3, (uint)seed, (uint)(seed >> 32));
+    *u = u01_closed_open(c0, c1);
+    *v = u01_closed_open(c2, c3);
+}
+
+% if "splitting" in effects:
+// Path positions: the launched ray is 1, the children of p are 2p and 2p + 1.  These are all
+// different for 54 splits in a row.  Below that the number is mixed and marked by its top bit, so
+// that it never meets an unmixed one; siblings always differ (last bit), and two cousins of one
+// launched ray meet with probability 2^-54 a pair.
+FN luint child_path(luint p, uint side) {
+    const luint q = (p << 1) | (ulong)side;
+    luint h = p * 0x9E3779B97F4A7C15UL;
+    h = (h ^ (h >> 32)) * 0xD6E8FEB86659FD93UL;
+    h = (h ^ (h >> 29)) * 0xD6E8FEB86659FD93UL;
+    h = h ^ (h >> 32);
+    h = (1UL << 55) | ((h << 1) & ((1UL << 55) - 1UL)) | (ulong)side;
+    return SEL(NE(p >> 54, (luint)(0UL)), h, q);
+}
+% endif

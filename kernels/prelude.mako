@@ -1,0 +1,101 @@
+## prelude: the first text of every program.
+## reads: lanes (1, 2, 4, 8, 16), int64 (extension to enable)
+## gives: the lane types, the comparison and selection rules that hold for scalars and vectors alike
+#pragma OPENCL FP_CONTRACT OFF
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+
+// Without always_inline PoCL silently does not vectorise what calls the function.
+#define FN static inline __attribute__((always_inline))
+
+// Lanes: one source for scalars and vectors.  A mask is all ones (-1) or all zeros in each lane;
+// a vector comparison gives that by itself, a scalar one gives 0 or 1 and is negated.
+% if lanes == 1:
+typedef double real;
+typedef long lint;
+typedef ulong luint;
+typedef uint word;
+#define LT(a, b) (-(long)((a) < (b)))
+#define LE(a, b) (-(long)((a) <= (b)))
+#define EQ(a, b) (-(long)((a) == (b)))
+#define NE(a, b) (-(long)((a) != (b)))
+#define ANY(m) ((m) != 0)
+#define AS_LINT(x) as_long(x)
+#define AS_LUINT(x) as_ulong(x)
+#define AS_REAL(x) as_double(x)
+#define TO_REAL(x) ((double)(x))
+#define TO_WORD(x) ((uint)(x))
+#define TO_LINT(x) ((long)(x))
+#define TO_LUINT(x) ((ulong)(x))
+#define WORD_MASK(m) (m)
+% else:
+typedef double${lanes} real;
+typedef long${lanes} lint;
+typedef ulong${lanes} luint;
+typedef uint${lanes} word;
+#define LT(a, b) ((a) < (b))
+#define LE(a, b) ((a) <= (b))
+#define EQ(a, b) ((a) == (b))
+#define NE(a, b) ((a) != (b))
+#define ANY(m) any(m)
+#define AS_LINT(x) as_long${lanes}(x)
+#define AS_LUINT(x) as_ulong${lanes}(x)
+#define AS_REAL(x) as_double${lanes}(x)
+#define TO_REAL(x) __builtin_convertvector(x, real)
+#define TO_WORD(x) __builtin_convertvector(x, word)
+#define TO_LINT(x) __builtin_convertvector(x, lint)
+#define TO_LUINT(x) __builtin_convertvector(x, luint)
+#define WORD_MASK(m) __builtin_convertvector(m, int${lanes})
+% endif
+typedef lint mask;
+#define GE(a, b) LE(b, a)
+#define GT(a, b) LT(b, a)
+// m ? a : b in every lane; the OpenCL ternary does this for vectors (sign bit) and for scalars.
+#define SEL(m, a, b) ((m) ? (a) : (b))
+#define SELW(m, a, b) (WORD_MASK(m) ? (a) : (b))
+#define LANES ${lanes}
+
+#define NO_FACE (-1L)
+#define UNIT_ROUNDOFF 0x1p-53
+
+// Splat and lane access.
+FN real splat(double x) { return (real)(x); }
+FN lint lsplat(long x) { return (lint)(x); }
+FN word wsplat(uint x) { return (word)(x); }
+
+// Gathers: lane l reads table[index_l].
+% for ctype, rtype, name in (("double", "real", "gather"), ("long", "lint", "gather_long"), ("uint", "word", "gather_word")):
+FN ${rtype} ${name}(__global const ${ctype} *table, lint i) {
+% if lanes == 1:
+    return table[i];
+% else:
+    return (${rtype})(${", ".join(f"table[i.s{'0123456789abcdef'[l]}]" for l in range(lanes))});
+% endif
+}
+% endfor
+
+// 0, 1, 2, ... counted over the lanes set in m; *n is the number of lanes set.
+FN lint rank_lanes(mask m, uint *n) {
+    lint r;
+    uint k = 0;
+% for l in range(lanes):
+    ${lane("r", l)} = k;
+    k += (uint)(-${lane("m", l)});
+% endfor
+    *n = k;
+    return r;
+}
+FN uint count_lanes(mask m) {
+    uint k = 0;
+% for l in range(lanes):
+    k += (uint)(-${lane("m", l)});
+% endfor
+    return k;
+}
+FN long sum_lanes(lint v) {
+    long s = 0;
+% for l in range(lanes):
+    s += ${lane("v", l)};
+% endfor
+    return s;
+}

@@ -1,0 +1,9 @@
+// reads: frame.  Cosine lobe about the axis: sin^2 theta = u, cos theta = sqrt(1 - u) > 0.
+FN void emit_cosine_point(__global const double *source, real u, real v, real pu, real pv,
+                          real *x, real *y, real *z, real *dx, real *dy, real *dz) {
+    real s, c;
+    sincos_turns(v, &s, &c);
+    const real sin_theta = sqrt(u);
+    *x = splat(source[0]); *y = splat(source[1]); *z = splat(source[2]);
+    from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, sqrt(1.0 - u), dx, dy, dz);
+}

@@ -1,0 +1,11 @@
+// reads: nothing.  Uniform over the sphere: cos theta = 1 - 2u in (-1, 1], phi = 2 pi v.
+FN void emit_isotropic_point(__global const double *source, real u, real v, real pu, real pv,
+                             real *x, real *y, real *z, real *dx, real *dy, real *dz) {
+    real s, c;
+    sincos_turns(v, &s, &c);
+    const real sin_theta = 2.0 * sqrt(u * (1.0 - u));
+    *x = splat(source[0]); *y = splat(source[1]); *z = splat(source[2]);
+    *dx = sin_theta * c;
+    *dy = sin_theta * s;
+    *dz = fma(splat(-2.0), u, splat(1.0));
+}

@@ -1,0 +1,14 @@
+// reads: radius.  Uniform by area over the shell, cosine lobe about the outward normal.
+FN void emit_lambertian_sphere(__global const double *source, real u, real v, real pu, real pv,
+                               real *x, real *y, real *z, real *dx, real *dy, real *dz) {
+    real s, c;
+    sincos_turns(pv, &s, &c);
+    const real sin_n = 2.0 * sqrt(pu * (1.0 - pu));
+    const real nx = sin_n * c, ny = sin_n * s, nz = fma(splat(-2.0), pu, splat(1.0));
+    *x = fma(nx, splat(source[SOURCE_RADIUS]), splat(source[0]));
+    *y = fma(ny, splat(source[SOURCE_RADIUS]), splat(source[1]));
+    *z = fma(nz, splat(source[SOURCE_RADIUS]), splat(source[2]));
+    sincos_turns(v, &s, &c);
+    const real sin_theta = sqrt(u);
+    about_normal(nx, ny, nz, sin_theta * c, sin_theta * s, sqrt(1.0 - u), dx, dy, dz);
+}

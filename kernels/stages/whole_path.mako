@@ -1,0 +1,62 @@
+## the plain alternative that the wavefront is measured against: lanes == 1
+// One work-item follows one launched ray and all its children to their ends, one after the other.
+// from: rays not yet launched.  to: endings (records), the ledger.
+__kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
+    const ulong me = get_global_id(0);
+    if (me >= launch_buffer->items) return;
+    const launch_t settings = open_launch(launch_buffer);
+    const launch_t *launch = &settings;
+    const scene_t scene = open_scene(geometry, materials, sources, codes);
+% if "splitting" in effects:
+    const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
+% endif
+% if records:
+    const records_t records = open_records(launch, record_reals, record_words, me);
+% endif
+    item_t item = items[me];
+    ledger_t ledger;
+    open_ledger(&ledger, tally + item.slot * launch->n_cells * CELL);
+    packet_t p;
+    clear_packet(&p);
+    uint blocked = 0;
+    item.records = 0;
+    if (item.next < item.end) {
+        generate(launch, &scene, item.slot, (long)item.next, lsplat(-1L), &p);
+        item.next++;
+    }
+    for (;;) {
+        if (!p.alive) {
+            if (!item.stack) break;
+% if "splitting" in effects:
+            item.stack--;
+            take_rays(&queue, (long)item.stack, lsplat(-1L), &p);
+% endif
+        }
+% if records:
+        if (item.records + 1 > launch->record_capacity) break;
+% endif
+% if "splitting" in effects:
+        if (item.stack + 2 > launch->stack_capacity) { blocked = 1; break; }
+% endif
+        hit_t hit;
+        nearest(&scene, &p, &hit);
+        ending_t end;
+        packet_t child;
+        shade(launch, &scene, &p, &hit, &ledger, &end, &child);
+% if records:
+        put_records(&records, &item.records, &end);
+% endif
+        survive(launch, &p, &ledger);
+% if "splitting" in effects:
+        survive(launch, &child, &ledger);
+        push_rays(&queue, &item.stack, child.alive, &child);
+% endif
+    }
+% if "splitting" in effects:
+    push_rays(&queue, &item.stack, p.alive, &p);
+% endif
+    close_ledger(&ledger);
+    report_interactions(status, &ledger);
+    items[me] = item;
+    report(status, &item, blocked);
+}

@@ -1,0 +1,51 @@
+// Fresnel: unpolarised reflection and refraction, both children.
+//
+// With n1 on the side of incidence, m = n1/n2 and k = (n2 - n1)(n2 + n1)/n2^2 = 1 - m^2 (the host
+// takes the difference of the indices before it rounds), ci = |d.n|:
+//   ct^2 = m^2 ci^2 + k                                   (total reflection where it is not > 0)
+//   r_s  = -k / (m ci + ct)^2
+//   r_p  = k (1 - (1 + m^2) (1 - ci^2)) / (ci + m ct)^2
+// from (a - b) = (a^2 - b^2)/(a + b) on the usual quotients (Born & Wolf 1.5.2): no difference of
+// nearly equal numbers is left at normal incidence, at grazing incidence or for equal indices.
+// R = (r_s^2 + r_p^2) / 2; the transmitted weight is what the reflected one leaves.
+// reads: direction, normal, side, material: 0 m and 1 k from the + side, 2 m and 3 k from the - side.
+// writes: direction and weight after (transmitted, or reflected where nothing is transmitted), side;
+//         the reflected child where both exist.
+FN mask meet_fresnel(mask lanes, const packet_t *p, const contact_t *c,
+                     real m_plus, real k_plus, real m_minus, real k_minus,
+                     real *dx, real *dy, real *dz, real *after, mask *went_plus,
+                     real *rx, real *ry, real *rz, real *reflected) {
+    const real m = SEL(c->came_plus, m_plus, m_minus), k = SEL(c->came_plus, k_plus, k_minus);
+    const real dn = dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz);
+    const real ci = fmin(fabs(dn), splat(1.0));
+    const real mci = m * ci;
+    const real ct2 = fma(mci, mci, k);
+    const real ct = sqrt(fmax(ct2, splat(0.0)));
+    const real a = mci + ct, b = fma(m, ct, ci);
+    const real sin2 = fma(-ci, ci, splat(1.0));
+    const real rs = k / (a * a);
+    const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);
+    const real whole = fmin(0.5 * fma(rs, rs, rp * rp), splat(1.0));
+    const mask total = LE(ct2, splat(0.0));
+    const real wr = SEL(total, p->w, p->w * whole);
+    const real wt = p->w - wr;
+    // reflected: d - 2 (d.n) n
+    real x = fma(-2.0 * dn, c->nx, p->dx), y = fma(-2.0 * dn, c->ny, p->dy);
+    real z = fma(-2.0 * dn, c->nz, p->dz);
+    renormalise(&x, &y, &z);
+    // refracted: m (d - (d.n) n) + sign(d.n) ct n
+    const real g = copysign(ct, dn);
+    real tx = fma(m, fma(-dn, c->nx, p->dx), g * c->nx);
+    real ty = fma(m, fma(-dn, c->ny, p->dy), g * c->ny);
+    real tz = fma(m, fma(-dn, c->nz, p->dz), g * c->nz);
+    renormalise(&tx, &ty, &tz);
+    const mask reflects = total | LE(wt, splat(0.0));
+    *dx = SEL(lanes, SEL(reflects, x, tx), *dx);
+    *dy = SEL(lanes, SEL(reflects, y, ty), *dy);
+    *dz = SEL(lanes, SEL(reflects, z, tz), *dz);
+    *after = SEL(lanes, SEL(reflects, p->w, wt), *after);
+    *went_plus = SEL(lanes, SEL(reflects, c->came_plus, ~c->came_plus), *went_plus);
+    *rx = x; *ry = y; *rz = z;
+    *reflected = wr;
+    return lanes & ~reflects & GT(wr, splat(0.0));
+}
