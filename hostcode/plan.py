@@ -41,6 +41,8 @@ class ExecutionPlan:
         Waiting rays a queue segment holds at first; it grows when a scene needs more.
     tally_parts : int
         Work-items that share the records of one segment.
+    tally_copies : int
+        Copies of the tally that the tally stage adds to without atomics, 0 for atomics.
     interleaved : bool
         Queue layout: segments interleaved (GPUs) or contiguous.
     """
@@ -54,6 +56,7 @@ class ExecutionPlan:
     local_size: int = 1
     stack_rays: int = 256
     tally_parts: int = 4
+    tally_copies: int = 0
     interleaved: bool = False
 
     def __post_init__(self) -> None:
@@ -94,4 +97,6 @@ def default_plan(record: DeviceRecord, lanes: int) -> ExecutionPlan:
             interleaved=True,
         )
     items = 8 * max(record.compute_units, 1)
-    return ExecutionPlan(lanes=lanes, items=items, refill=max(lanes // 4, 1))
+    return ExecutionPlan(
+        lanes=lanes, items=items, refill=max(lanes // 4, 1), tally_copies=record.compute_units
+    )

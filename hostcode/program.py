@@ -85,10 +85,11 @@ class ElementClass:
 
 @dataclass(frozen=True)
 class SurfaceKind:
-    """A surface kind in use and its number."""
+    """A surface kind in use, its number, and whether all its elements share one material."""
 
     kind: str
     number: int
+    single: bool
 
 
 @dataclass(frozen=True)
@@ -110,14 +111,27 @@ class ProgramSpec:
     effects: frozenset[str]
     n_elements: int
     """Number of elements where the ledger is kept in registers, else 0."""
-    one_material: bool
     lanes: int = 1
     interleaved: bool = False
+    private_tallies: bool = False
     stages: tuple[str, ...] = ("wave",)
 
-    def for_device(self, lanes: int, interleaved: bool, stages: tuple[str, ...]) -> ProgramSpec:
+    def for_device(
+        self,
+        lanes: int,
+        stages: tuple[str, ...],
+        *,
+        interleaved: bool = False,
+        private_tallies: bool = False,
+    ) -> ProgramSpec:
         """Return the spec with what a device and a composition add."""
-        return replace(self, lanes=lanes, interleaved=interleaved, stages=stages)
+        return replace(
+            self,
+            lanes=lanes,
+            stages=stages,
+            interleaved=interleaved,
+            private_tallies=private_tallies,
+        )
 
     @property
     def records(self) -> bool:
@@ -154,7 +168,7 @@ def program_source(spec: ProgramSpec) -> str:
         "sources": spec.sources,
         "records": spec.records,
         "interleaved": spec.interleaved,
-        "one_material": spec.one_material,
+        "private_tallies": spec.private_tallies,
         "n_elements": spec.n_elements,
         "ledger_rows": spec.n_elements + 4 if spec.n_elements else 0,
         "row_stride": ROW_STRIDE,
@@ -174,7 +188,7 @@ def program_source(spec: ProgramSpec) -> str:
     parts += [("lib/nearest.mako", {}), ("lib/locate.mako", {}), ("lib/ledger.mako", {})]
     parts += [(f"surfaces/{surface.kind}.mako", {}) for surface in spec.surfaces]
     if "detector" in spec.effects or "far-field" in spec.effects:
-        parts.append(("detectors/bins.mako", {}))
+        parts += [("lib/cells.mako", {}), ("detectors/bins.mako", {})]
     if "detector" in spec.effects:
         parts.append(("detectors/detector.mako", {}))
     if "far-field" in spec.effects:

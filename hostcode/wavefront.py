@@ -42,6 +42,8 @@ _EVENTS_BEFORE_FLUSH: Final = 1 << 30
 """Interactions after which the limbs are read: 2^31 pieces of 2^32 fill a 64-bit sum."""
 _TALLY_BYTES: Final = 256 << 20
 """Device memory that the slots' tallies may take."""
+_COPIES_BYTES: Final = 64 << 20
+"""Device memory that the tally stage's own copies may take."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,10 +101,16 @@ class Engine:
         self._cl = cl
         self.device, self.tables, self.plan = device, tables, plan
         self.statistics = EngineStatistics()
-        spec = tables.spec.for_device(plan.lanes, plan.interleaved, _STAGES[plan.composition])
-        self.program: Program = build(device, spec)
         self._rays_per_batch = int(tables.launch["rays_per_batch"])
         self._slots = self._count_slots()
+        self._copies = self._count_copies()
+        spec = tables.spec.for_device(
+            plan.lanes,
+            _STAGES[plan.composition],
+            interleaved=plan.interleaved,
+            private_tallies=self._copies > 0,
+        )
+        self.program: Program = build(device, spec)
         self._items = self._count_items()
         self._queue = Queue(device, spec, self._items, self._stack_capacity())
         flags = cl.mem_flags
@@ -117,6 +125,8 @@ class Engine:
         self._launch_buffer = allocate(numpy_dtype(LAUNCH).itemsize)
         self._status = allocate(8 * len(STATUS))
         self._tally = allocate(8 * CELL * tables.n_cells * self._slots)
+        self._tally_copies = allocate(self._copies * self._tally.size)
+        self._clear(self._tally_copies)
         self._record_capacity = self._count_records() if spec.records else 0
         self._records = (
             allocate(32 * self._items * self._record_capacity),
@@ -131,6 +141,12 @@ class Engine:
     def _count_slots(self) -> int:
         memory = max(_TALLY_BYTES // (8 * CELL * self.tables.n_cells), 1)
         return max(min(self.plan.wave_rays // self._rays_per_batch, memory), 1)
+
+    def _count_copies(self) -> int:
+        """Tallies that the tally stage keeps without atomics, 0 where they would take too much."""
+        copies = self.plan.tally_copies if self.tables.spec.records else 0
+        size = 8 * CELL * self.tables.n_cells * self._slots
+        return copies if copies * size <= _COPIES_BYTES else 0
 
     def _wave_rays(self) -> int:
         """Rays of one wave: whole batches, or a part of one."""
@@ -188,7 +204,8 @@ class Engine:
             name = "wave" if self.plan.composition == "packets" else "whole_path"
             add(name, *common, *queue, *self._records)
         if self._record_capacity:
-            parts = 1 if self.plan.composition == "whole-path" else self.plan.tally_parts
+            whole = self.plan.composition == "whole-path"
+            parts = self._copies or (1 if whole else self.plan.tally_parts)
             add(
                 "tally_stage",
                 self._launch_buffer,
@@ -197,9 +214,15 @@ class Engine:
                 self._edges,
                 self._queue.items,
                 *self._records,
-                self._tally,
+                self._tally_copies if self._copies else self._tally,
                 np.uint64(parts),
-                size=self._items * parts,
+                size=parts if self._copies else self._items * parts,
+            )
+        self._merge = None
+        if self._copies:
+            self._merge = self.program.kernel("merge_stage")
+            self._merge.set_args(
+                self._launch_buffer, self._tally_copies, self._tally, np.uint64(self._copies)
             )
         self._kernels = kernels
 
@@ -213,6 +236,7 @@ class Engine:
         splitting = "splitting" in self.tables.spec.effects
         launch["ray_base"] = first_batch * self._rays_per_batch
         launch["n_cells"] = self.tables.n_cells
+        launch["slots"] = self._slots
         launch["items"] = self._items
         launch["max_bounces"] = min(plan.max_bounces, steps)
         launch["refill"] = min(plan.refill, plan.lanes)
@@ -250,7 +274,7 @@ class Engine:
 
     def _run_slots(self, first_batch: int, slots: int) -> NDArray[np.int64]:
         self._write_launch(first_batch)
-        self._clear_tally()
+        self._clear(self._tally)
         total = np.zeros((slots, self.tables.n_cells, CELL), np.int64)
         events = 0
         for items in self._waves(slots):
@@ -262,7 +286,7 @@ class Engine:
                 events += interactions
                 if events > _EVENTS_BEFORE_FLUSH:
                     total = self._flush(total)
-                    self._clear_tally()
+                    self._clear(self._tally)
                     events = 0
                 if not unfinished:
                     break
@@ -317,12 +341,15 @@ class Engine:
         self._bind()
         self._write_launch(first_batch)
 
-    def _clear_tally(self) -> None:
+    def _clear(self, buffer: cl.Buffer) -> None:
         zero = np.zeros(1, np.int64)
-        self._cl.enqueue_fill_buffer(self.device.queue, self._tally, zero, 0, self._tally.size)
+        self._cl.enqueue_fill_buffer(self.device.queue, buffer, zero, 0, buffer.size)
 
     def _flush(self, total: NDArray[np.int64]) -> NDArray[np.int64]:
         part = np.empty_like(total)
+        if self._merge is not None:
+            size = self._tally.size // 8
+            self._cl.enqueue_nd_range_kernel(self.device.queue, self._merge, (size,), None)
         self._cl.enqueue_copy(self.device.queue, part, self._tally)
         flat = canonical((total + part).reshape(-1, CELL))
         return flat.reshape(total.shape)

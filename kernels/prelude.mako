@@ -37,7 +37,7 @@ typedef uint${lanes} word;
 #define LE(a, b) ((a) <= (b))
 #define EQ(a, b) ((a) == (b))
 #define NE(a, b) ((a) != (b))
-#define ANY(m) any(m)
+#define ANY(m) (__builtin_reduce_or(m) != 0)
 #define AS_LINT(x) as_long${lanes}(x)
 #define AS_LUINT(x) as_ulong${lanes}(x)
 #define AS_REAL(x) as_double${lanes}(x)
@@ -74,28 +74,34 @@ FN ${rtype} ${name}(__global const ${ctype} *table, lint i) {
 }
 % endfor
 
+% if lanes == 1:
+FN uint count_lanes(mask m) { return (uint)(-m); }
+FN long sum_lanes(lint v) { return v; }
+FN uint lane_bits(mask m) { return (uint)(-m); }
+FN lint rank_lanes(mask m, uint *n) {
+    *n = (uint)(-m);
+    return 0;
+}
+% else:
+FN uint count_lanes(mask m) { return (uint)(-__builtin_reduce_add(m)); }
+FN long sum_lanes(lint v) { return __builtin_reduce_add(v); }
+// Bit l of the result is lane l of m.
+FN uint lane_bits(mask m) {
+    const lint bit = (lint)(${", ".join(f"{1 << l}L" for l in range(lanes))});
+    return (uint)__builtin_reduce_or(m & bit);
+}
 // 0, 1, 2, ... counted over the lanes set in m; *n is the number of lanes set.
 FN lint rank_lanes(mask m, uint *n) {
-    lint r;
-    uint k = 0;
-% for l in range(lanes):
-    ${lane("r", l)} = k;
-    k += (uint)(-${lane("m", l)});
-% endfor
-    *n = k;
-    return r;
+    const lint one = -m, zero = lsplat(0L);
+    lint r = one;
+<% step = 1 %>
+% while step < lanes:
+    r += __builtin_shufflevector(r, zero, ${", ".join(str(l - step) if l >= step else str(lanes) for l in range(lanes))});
+<% step *= 2 %>
+% endwhile
+    *n = (uint)${lane("r", lanes - 1)};
+    return r - one;
 }
-FN uint count_lanes(mask m) {
-    uint k = 0;
-% for l in range(lanes):
-    k += (uint)(-${lane("m", l)});
-% endfor
-    return k;
-}
-FN long sum_lanes(lint v) {
-    long s = 0;
-% for l in range(lanes):
-    s += ${lane("v", l)};
-% endfor
-    return s;
-}
+% endif
+// The lowest lane set in bits, for loops over the lanes that a mask sets.
+#define FIRST_LANE(bits) (31u - clz((bits) & (0u - (bits))))

@@ -172,17 +172,16 @@ def compile_scene(
     shift = _recentre(scene)
     effects = _effects(scene, settings, weights) | force
     classes, class_of = _element_classes(scene, "tilt" in force)
-    surfaces = tuple(
-        SurfaceKind(kind, n) for n, kind in enumerate(sorted({e.surface.kind for e in scene.element}))
-    )
     materials, material_of = _materials(scene)
+    surfaces = _surface_kinds(scene, material_of)
     detectors, n_cells = _lay_out_detectors(scene)
     far_field = n_cells
     n_mu, n_phi = (scene.far_field.n_mu, scene.far_field.n_phi) if scene.far_field else (0, 0)
     n_cells += n_mu * n_phi
     layout = TallyLayout(len(scene.element), detectors, far_field, n_mu, n_phi, n_cells)
 
-    codes = _codes(scene, classes, class_of)
+    number = {surface.kind: surface.number for surface in surfaces}
+    codes = _codes(scene, classes, class_of, number)
     launch: dict[str, Any] = {
         "seed": settings.seed,
         "rays_per_batch": settings.rays_per_batch,
@@ -195,11 +194,11 @@ def compile_scene(
         "n_phi": n_phi,
     }
     edges: list[float] = []
-    launch["kind_of"] = len(codes)
-    number = {surface.kind: surface.number for surface in surfaces}
-    codes += [number[e.surface.kind] for e in scene.element]
     launch["material_of"] = len(codes)
     codes += material_of
+    launch["material_of_kind"] = len(codes)
+    first = {e.surface.kind: at for e, at in zip(scene.element, material_of, strict=True)}
+    codes += [first[surface.kind] for surface in surfaces]
     launch["detector_of"] = len(codes)
     of_element = {d.element: n for n, d in enumerate(detectors)}
     codes += [of_element.get(n, -1) for n in range(len(scene.element))]
@@ -223,7 +222,6 @@ def compile_scene(
         sources=sources,
         effects=frozenset(effects & _COMPILED),
         n_elements=len(scene.element) if few else 0,
-        one_material=len(materials) <= MATERIAL_STRIDE and len(surfaces) <= 1,
     )
     tables = DeviceTables(
         spec=spec,
@@ -374,7 +372,10 @@ def _element_classes(
 
 
 def _codes(
-    scene: Scene, classes: tuple[ElementClass, ...], class_of: list[ElementClass]
+    scene: Scene,
+    classes: tuple[ElementClass, ...],
+    class_of: list[ElementClass],
+    surface_number: dict[str, int],
 ) -> list[int]:
     """Bounds of each class, then the elements' codes class by class."""
     bounds = [len(classes) + 1]
@@ -383,7 +384,9 @@ def _codes(
         for n, element in enumerate(scene.element):
             if class_of[n] is cls:
                 down = cls.axis is not None and axis_index(element.axis) % 2 == 1
-                codes.append(n << 5 | down << 4 | cls.number)
+                counted = element.detector is not None
+                kind = surface_number[element.surface.kind]
+                codes.append(n << 16 | counted << 12 | kind << 8 | down << 7 | cls.number)
         bounds.append(len(classes) + 1 + len(codes))
     return bounds + codes
 
@@ -435,12 +438,22 @@ def _half_sizes(element: Element, cls: ElementClass) -> tuple[float, float]:
 
 
 def _materials(scene: Scene) -> tuple[list[float], list[int]]:
-    rows: dict[tuple[float, ...], int] = {}
+    """Rows of the distinct surfaces, and where in them each element's begins."""
+    rows: dict[tuple[str, tuple[float, ...]], int] = {}
     of_element = []
     for element in scene.element:
-        row = _material(element.surface)
-        of_element.append(rows.setdefault((element.surface.kind, *row), len(rows)))  # type: ignore[arg-type]
-    return [x for row in rows for x in row[1:]], of_element
+        key = (element.surface.kind, _material(element.surface))
+        of_element.append(rows.setdefault(key, len(rows) * MATERIAL_STRIDE))
+    return [x for _, row in rows for x in row], of_element
+
+
+def _surface_kinds(scene: Scene, material_of: list[int]) -> tuple[SurfaceKind, ...]:
+    rows: dict[str, set[int]] = {}
+    for element, at in zip(scene.element, material_of, strict=True):
+        rows.setdefault(element.surface.kind, set()).add(at)
+    return tuple(
+        SurfaceKind(kind, n, single=len(rows[kind]) == 1) for n, kind in enumerate(sorted(rows))
+    )
 
 
 def _material(surface: Surface) -> tuple[float, float, float, float]:

@@ -6,17 +6,14 @@
 #define DETECTOR_INTEGERS 10
 #define DETECTOR_NUMBERS 12
 
-FN mask has_detector(const launch_t *launch, const scene_t *scene, lint element) {
-    return GE(gather_long(scene->codes + launch->detector_of, element), lsplat(0L));
-}
-
 FN void count_arrival(__global long *cells, const launch_t *launch, __global const long *codes,
                       __global const double *numbers, __global const double *edges,
                       double w, double x, double y, double z, uint tag, uint generation) {
     const long which = codes[launch->detector_of + (tag >> 1)];
     __global const long *d = codes + launch->detectors + which * DETECTOR_INTEGERS;
     if ((tag & 1u) != (uint)d[0]) return;
-    add_exact(cells + d[1] * CELL, w);
+    // the power of a detector with a ladder or a map is their sum, which the host takes
+    if (!(d[3] || d[5])) add_exact(cells + d[1] * CELL, w);
 % if "ladder" in effects:
     if (d[3]) {
         const long g = min((long)generation, d[3] - 1);

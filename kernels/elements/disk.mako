@@ -3,9 +3,10 @@
 // rim counts.
 // reads: row, packet.  gives: distance, whether it is hit, whether that is near the rim.
 FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
-                      const scene_t *scene, real *t, mask *edge) {
+                      const scene_t *scene, int careful, mask *doubtful, real *t,
+                      mask *edge) {
     real x, y, fx, fy;
-    const mask on = flat_${cls.suffix}(row, p, departed, scene, t, &x, &y, &fx, &fy);
+    const mask on = flat_${cls.suffix}(row, p, departed, scene, careful, doubtful, t, &x, &y, &fx, &fy);
     const real bound = fma(fx + fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[3]));
     const real r2 = fma(x, x, y * y);
     const mask ok = on & LE(r2, bound * bound);

@@ -26,7 +26,8 @@ FN mask in_port_${cls.suffix}(__global const double *row, real fx, real fy, real
 % endif
 
 FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
-                      const scene_t *scene, real *t_out, mask *edge) {
+                      const scene_t *scene, int careful, mask *doubtful, real *t_out,
+                      mask *edge) {
     const real fx = p->ox - row[0], fy = p->oy - row[1], fz = p->oz - row[2];
     const real b = -dot3(fx, fy, fz, p->dx, p->dy, p->dz);
     const mask inside = departed & EQ(p->left & 2L, lsplat(0L));
@@ -54,7 +55,8 @@ FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask de
         real t1 = fmin(q, other), t2 = fmax(q, other);
         mask ok1 = GE(t1, splat(0.0)), ok2 = GE(t2, splat(0.0));
         const mask on_surface = LE(fabs(c), splat(row[7])) & free_lanes;
-        if (ANY(on_surface)) {
+        *doubtful |= on_surface;
+        if (careful && ANY(on_surface)) {
             const real k = splat(row[5]);
             const mask cross = crosses(scene, p, fx * k, fy * k, fz * k, -b, splat(0.0));
             const real chord = 2.0 * b;

@@ -8,9 +8,9 @@
 // 7 rounding bound of the plane, 8 sign of the normal along its axis, 15-23 frame.
 //
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
-// rounding of the plane starts on it: then t = 0, and whether that is a hit is decided below.
+// rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.
 FN mask flat_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
-                       const scene_t *scene, real *t_out, real *x, real *y, real *fx, real *fy) {
+                       const scene_t *scene, int careful, mask *doubtful, real *t_out, real *x, real *y, real *fx, real *fy) {
 % if a is None:
     const real vx = p->ox - row[0], vy = p->oy - row[1], vz = p->oz - row[2];
     __global const double *f = row + ROW_FRAME;
@@ -38,7 +38,9 @@ FN mask flat_${cls.suffix}(__global const double *row, const packet_t *p, mask d
     *fy = fabs(v);
     *t_out = t;
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
-    if (ANY(on_plane & ok)) {
+    const mask starts_here = on_plane & ok;
+    *doubtful |= starts_here;
+    if (careful && ANY(starts_here)) {
 % if a is None:
         const real nx = splat(f[6]), ny = splat(f[7]), nz = splat(f[8]);
 % else:

@@ -34,9 +34,9 @@ FN void add_limbs(__global long *cell, long a, long b, long c) {
 }
 % endif
 
-// Books the image on row[lane] of each lane in m.
+// Books the image on row[lane], an element or `escaped`, of each lane in m.
 FN void book(ledger_t *ledger, lint row, mask m, image_t image) {
-% for r in range(ledger_rows):
+% for r in range(n_elements + 1 if ledger_rows else 0):
     {
         const mask k = m & EQ(row, lsplat(${r}L));
         ledger->a${r} += image.p0 & k; ledger->b${r} += image.p1 & k; ledger->c${r} += image.p2 & k;

@@ -28,18 +28,3 @@ FN image_t image_difference(image_t a, image_t b) {
     r.p2 = a.p2 - b.p2;
     return r;
 }
-
-// The same for one number, for the kernels that bin records one at a time.
-FN void add_exact(__global long *cell, double w) {
-    const double s = w * 0x1p31;
-    const double t0 = s + LIMB_MAGIC;
-    const double r1 = (s - (t0 - LIMB_MAGIC)) * 0x1p32;
-    const double t1 = r1 + LIMB_MAGIC;
-    const double t2 = (r1 - (t1 - LIMB_MAGIC)) * 0x1p32 + LIMB_MAGIC;
-    const long zero = as_long(LIMB_MAGIC);
-    const long p0 = as_long(t0) - zero, p1 = as_long(t1) - zero, p2 = as_long(t2) - zero;
-    if (p0) atom_add(cell, p0);
-    if (p1) atom_add(cell + 1, p1);
-    if (p2) atom_add(cell + 2, p2);
-    atom_add(cell + 3, 1L);
-}

@@ -8,25 +8,28 @@ FN void locate(const scene_t *scene, const packet_t *p, const hit_t *h, contact_
 % if any(not cls.flat for cls in classes):
     mask inside = lsplat(0L);
 % endif
+% if any(cls.flat for cls in classes):
+    const int near_edge = ANY(h->edge);
+% endif
 % for cls in classes:
     {
         const mask m = h->found & EQ(CLASS_OF(h->code), lsplat(${cls.number}L));
-        if (ANY(m)) {
 % if cls.flat and cls.axis is not None:
 <%
     a, a1, a2 = ("xyz"[(cls.axis + k) % 3] for k in range(3))
 %>
-            ${a} = SEL(m, h->plane, ${a});
-            n${a} = SEL(m, AXIS_SIGN(h->code), n${a});
-            if (ANY(m & h->edge)) {
-                const real c1 = gather(scene->geometry + ${(cls.axis + 1) % 3}, row);
-                const real c2 = gather(scene->geometry + ${(cls.axis + 2) % 3}, row);
-                real k1 = ${a1} - c1, k2 = ${a2} - c2;
-                const mask moved = clamp_${cls.suffix}(scene, row, m & h->edge, &k1, &k2);
-                ${a1} = SEL(moved, c1 + k1, ${a1});
-                ${a2} = SEL(moved, c2 + k2, ${a2});
-            }
+        ${a} = SEL(m, h->plane, ${a});
+        n${a} = SEL(m, AXIS_SIGN(h->code), n${a});
+        if (near_edge && ANY(m & h->edge)) {
+            const real c1 = gather(scene->geometry + ${(cls.axis + 1) % 3}, row);
+            const real c2 = gather(scene->geometry + ${(cls.axis + 2) % 3}, row);
+            real k1 = ${a1} - c1, k2 = ${a2} - c2;
+            const mask moved = clamp_${cls.suffix}(scene, row, m & h->edge, &k1, &k2);
+            ${a1} = SEL(moved, c1 + k1, ${a1});
+            ${a2} = SEL(moved, c2 + k2, ${a2});
+        }
 % elif cls.flat:
+        if (ANY(m)) {
             const real cx = gather(scene->geometry, row), cy = gather(scene->geometry + 1, row);
             const real cz = gather(scene->geometry + 2, row);
             const real ux = gather(scene->geometry + ROW_FRAME, row);
@@ -51,7 +54,9 @@ FN void locate(const scene_t *scene, const packet_t *p, const hit_t *h, contact_
                 y = SEL(moved, cy + fma(k1, uy, k2 * vy), y);
                 z = SEL(moved, cz + fma(k1, uz, k2 * vz), z);
             }
+        }
 % else:
+        if (ANY(m)) {
 % if cls.single:
             __global const double *one = scene->geometry + ROW * ELEMENT_OF(scene->codes[scene->codes[${cls.number}]]);
             const real cx = splat(one[0]), cy = splat(one[1]), cz = splat(one[2]);
@@ -71,8 +76,8 @@ FN void locate(const scene_t *scene, const packet_t *p, const hit_t *h, contact_
             nx = SEL(m, fx * k, nx); ny = SEL(m, fy * k, ny); nz = SEL(m, fz * k, nz);
             // a chord inside ends on the inside, whatever the rounding of d.n says
             inside |= m & EQ(p->left >> 2, h->code) & EQ(p->left & 2L, lsplat(0L));
-% endif
         }
+% endif
     }
 % endfor
     c->x = x; c->y = y; c->z = z;

@@ -28,7 +28,8 @@ typedef struct {
     __global const long *codes;         // classes' bounds, elements' codes by class, materials' rows
 } scene_t;
 
-// code: element number << 5 | (normal points down its axis) << 4 | element class.
+// code: element number << 16 | has a detector << 12 | surface kind << 8 | normal points down its
+// axis << 7 | element class.
 // plane: the coordinate of a flat face across an axis.  edge: it was met within
 // rounding of its edge.
 typedef struct {
@@ -47,9 +48,11 @@ typedef struct {
 // Columns of an element's row in the geometry table.
 #define ROW ${row_stride}
 #define ROW_FRAME 15
-#define ELEMENT_OF(code) ((code) >> 5)
-#define AXIS_SIGN(code) SEL(NE((code) & 16L, lsplat(0L)), splat(-1.0), splat(1.0))
-#define CLASS_OF(code) ((code) & 15L)
+#define ELEMENT_OF(code) ((code) >> 16)
+#define HAS_DETECTOR(code) NE((code) & (1L << 12), lsplat(0L))
+#define SURFACE_OF(code) (((code) >> 8) & 15L)
+#define AXIS_SIGN(code) SEL(NE((code) & 128L, lsplat(0L)), splat(-1.0), splat(1.0))
+#define CLASS_OF(code) ((code) & 127L)
 
 FN luint path_of(const packet_t *p) {
 % if "splitting" in effects:

@@ -15,24 +15,36 @@
 #define DECIDE_SCATTER 2u
 #define DECIDE_ROULETTE 3u
 
+% if lanes == 1:
 FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) {
     word x0 = *c0, x1 = *c1, x2 = *c2, x3 = *c3;
 % for r in range(10):
     {
-% if lanes == 1:
         const ulong p0 = (ulong)x0 * PHILOX_M0, p1 = (ulong)x2 * PHILOX_M1;
-        const uint h0 = (uint)(p0 >> 32), h1 = (uint)(p1 >> 32), l0 = (uint)p0, l1 = (uint)p1;
-% else:
-        const luint p0 = TO_LUINT(x0) * (ulong)PHILOX_M0, p1 = TO_LUINT(x2) * (ulong)PHILOX_M1;
-        const word h0 = TO_WORD(p0 >> 32), h1 = TO_WORD(p1 >> 32), l0 = TO_WORD(p0), l1 = TO_WORD(p1);
-% endif
-        const word y0 = h1 ^ x1 ^ (k0 + ${r}u * PHILOX_W0);
-        const word y2 = h0 ^ x3 ^ (k1 + ${r}u * PHILOX_W1);
-        x0 = y0; x1 = l1; x2 = y2; x3 = l0;
+        x0 = (uint)(p1 >> 32) ^ x1 ^ (k0 + ${r}u * PHILOX_W0);
+        x2 = (uint)(p0 >> 32) ^ x3 ^ (k1 + ${r}u * PHILOX_W1);
+        x1 = (uint)p1;
+        x3 = (uint)p0;
     }
 % endfor
     *c0 = x0; *c1 = x1; *c2 = x2; *c3 = x3;
 }
+% else:
+// Words stay in 64-bit lanes, where the 32 x 32 -> 64 bit product is one instruction.
+FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) {
+    luint x0 = TO_LUINT(*c0), x1 = TO_LUINT(*c1), x2 = TO_LUINT(*c2), x3 = TO_LUINT(*c3);
+% for r in range(10):
+    {
+        const luint p0 = (x0 & 0xFFFFFFFFUL) * (ulong)PHILOX_M0, p1 = (x2 & 0xFFFFFFFFUL) * (ulong)PHILOX_M1;
+        x0 = (p1 >> 32) ^ x1 ^ (ulong)(k0 + ${r}u * PHILOX_W0);
+        x2 = (p0 >> 32) ^ x3 ^ (ulong)(k1 + ${r}u * PHILOX_W1);
+        x1 = p1;
+        x3 = p0;
+    }
+% endfor
+    *c0 = TO_WORD(x0); *c1 = TO_WORD(x1); *c2 = TO_WORD(x2); *c3 = TO_WORD(x3);
+}
+% endif
 
 // Two words to a double in [0, 1): 53 bits, every step exact.
 FN real u01_closed_open(word hi, word lo) {

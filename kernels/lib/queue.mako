@@ -35,20 +35,45 @@ FN void take_rays(const queue_t *q, lint i, mask m, packet_t *p) {
 FN void put_rays(const queue_t *q, lint i, mask m, const packet_t *p) {
     const lint at = queue_place(q, i);
     const long field = ${field};
-% for l in range(lanes):
-    if (${lane("m", l)}) {
-        const long k = ${lane("at", l)};
+% if lanes == 1:
+    if (m) {
+        const long k = at;
 % for n, name in enumerate(queue_real):
-        q->reals[${n} * field + k] = ${lane("p->" + name, l)};
+        q->reals[${n} * field + k] = p->${name};
 % endfor
 % for n, name in enumerate(queue_word):
-        q->words[${n} * field + k] = ${lane("p->" + name, l)};
+        q->words[${n} * field + k] = p->${name};
 % endfor
 % for n, name in enumerate(queue_long):
-        q->longs[${n} * field + k] = (long)${lane("p->" + name, l)};
+        q->longs[${n} * field + k] = (long)p->${name};
 % endfor
     }
+% else:
+    // through memory: a lane is then a load
+    union { lint v; long s[LANES]; } place = {at};
+% for name in queue_real:
+    union { real v; double s[LANES]; } ${name} = {p->${name}};
 % endfor
+% for name in queue_word:
+    union { word v; uint s[LANES]; } ${name} = {p->${name}};
+% endfor
+% for name in queue_long:
+    union { lint v; long s[LANES]; } ${name} = {AS_LINT(p->${name})};
+% endfor
+    for (uint bits = lane_bits(m); bits; bits &= bits - 1u) {
+        const uint l = FIRST_LANE(bits);
+        const long k = place.s[l];
+% for n, name in enumerate(queue_real):
+        q->reals[${n} * field + k] = ${name}.s[l];
+% endfor
+% for n, name in enumerate(queue_word):
+        q->words[${n} * field + k] = ${name}.s[l];
+% endfor
+% for n, name in enumerate(queue_long):
+        q->longs[${n} * field + k] = ${name}.s[l];
+% endfor
+    }
+% endif
 }
 
 // Pushes the rays in the lanes set in m.
@@ -68,21 +93,36 @@ typedef struct {
 } records_t;
 
 FN void put_records(const records_t *r, ulong *n_records, const ending_t *end) {
-    if (!ANY(end->m)) return;
-    uint n;
-    const lint rank = rank_lanes(end->m, &n);
-    const long base = (long)(r->item * r->capacity) + (long)*n_records;
-% for l in range(lanes):
-    if (${lane("end->m", l)}) {
-        const long k = base + ${lane("rank", l)};
-        r->reals[4 * k] = ${lane("end->w", l)};
-        r->reals[4 * k + 1] = ${lane("end->x", l)};
-        r->reals[4 * k + 2] = ${lane("end->y", l)};
-        r->reals[4 * k + 3] = ${lane("end->z", l)};
-        r->words[2 * k] = (uint)${lane("end->tag", l)};
-        r->words[2 * k + 1] = ${lane("end->generation", l)};
+    ulong k = r->item * r->capacity + *n_records;
+    const ulong first = k;
+% if lanes == 1:
+    if (end->m) {
+        r->reals[4 * k] = end->w;
+        r->reals[4 * k + 1] = end->x;
+        r->reals[4 * k + 2] = end->y;
+        r->reals[4 * k + 3] = end->z;
+        r->words[2 * k] = (uint)end->tag;
+        r->words[2 * k + 1] = end->generation;
+        k++;
     }
+% else:
+    if (!ANY(end->m)) return;
+% for name in "wxyz":
+    union { real v; double s[LANES]; } ${name} = {end->${name}};
 % endfor
-    *n_records += n;
+    union { lint v; long s[LANES]; } tag = {end->tag};
+    union { word v; uint s[LANES]; } generation = {end->generation};
+    for (uint bits = lane_bits(end->m); bits; bits &= bits - 1u) {
+        const uint l = FIRST_LANE(bits);
+        r->reals[4 * k] = w.s[l];
+        r->reals[4 * k + 1] = x.s[l];
+        r->reals[4 * k + 2] = y.s[l];
+        r->reals[4 * k + 3] = z.s[l];
+        r->words[2 * k] = (uint)tag.s[l];
+        r->words[2 * k + 1] = generation.s[l];
+        k++;
+    }
+% endif
+    *n_records += k - first;
 }
 % endif

@@ -1,4 +1,4 @@
-## effects, surfaces (kinds in use), one_material (all elements share a surface)
+## effects, surfaces (kinds in use: .kind, .number, .single)
 // What happens to each lane: it escapes, or its surface takes, sends on or splits its weight.
 //
 // reads: packet, hit.  writes: packet (in place), the ledger; `end` says which lanes ended in a
@@ -11,12 +11,10 @@ typedef struct {
     word generation;
 } ending_t;
 
-FN real material(const scene_t *scene, lint row, int column) {
-% if one_material:
-    return splat(scene->materials[column]);
-% else:
+// A number of the lane's material; one row serves every element of a kind that has just one.
+FN real material(const scene_t *scene, lint row, long only_row, int column) {
+    if (only_row >= 0) return splat(scene->materials[only_row + column]);
     return gather(scene->materials + column, row);
-% endif
 }
 
 FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const hit_t *h,
@@ -28,10 +26,8 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     const lint element = ELEMENT_OF(h->code);
     const image_t before = image_of(p->w);
     ledger->interactions -= found;
-% if not one_material:
-    const lint which = SEL(found, element, lsplat(0L));
-    const lint row = gather_long(scene->codes + launch->material_of, which) * ${material_stride}L;
-    const lint kind = gather_long(scene->codes + launch->kind_of, which);
+% if any(not s.single for s in surfaces):
+    const lint row = gather_long(scene->codes + launch->material_of, SEL(found, element, lsplat(0L)));
 % else:
     const lint row = lsplat(0L);
 % endif
@@ -44,8 +40,9 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % endif
 % for surface in surfaces:
     {
+        const long only = ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"};
 % if len(surfaces) > 1:
-        const mask m = found & EQ(kind, lsplat(${surface.number}L));
+        const mask m = found & EQ(SURFACE_OF(h->code), lsplat(${surface.number}L));
         if (ANY(m))
 % else:
         const mask m = found;
@@ -53,12 +50,12 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % if surface.kind == "absorber":
         meet_absorber(m, &after);
 % elif surface.kind == "mirror":
-        meet_mirror(m, p, &c, material(scene, row, 0), &dx, &dy, &dz, &after, &went_plus);
+        meet_mirror(m, p, &c, material(scene, row, only, 0), &dx, &dy, &dz, &after, &went_plus);
 % elif surface.kind == "lambertian":
-        meet_lambertian(m, p, &c, material(scene, row, 0), launch->seed, &dx, &dy, &dz, &after, &went_plus);
+        meet_lambertian(m, p, &c, material(scene, row, only, 0), launch->seed, &dx, &dy, &dz, &after, &went_plus);
 % elif surface.kind == "fresnel":
-        splits = meet_fresnel(m, p, &c, material(scene, row, 0), material(scene, row, 1),
-                              material(scene, row, 2), material(scene, row, 3),
+        splits = meet_fresnel(m, p, &c, material(scene, row, only, 0), material(scene, row, only, 1),
+                              material(scene, row, only, 2), material(scene, row, only, 3),
                               &dx, &dy, &dz, &after, &went_plus, &rx, &ry, &rz, &reflected);
 % endif
     }
@@ -69,7 +66,7 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     {
         const image_t kept = image_difference(before, image_of(after));
 % if "fresnel" in [s.kind for s in surfaces]:
-        const mask takes = found & NE(kind, lsplat(${[s.number for s in surfaces if s.kind == "fresnel"][0]}L));
+        const mask takes = found & NE(SURFACE_OF(h->code), lsplat(${[s.number for s in surfaces if s.kind == "fresnel"][0]}L));
         book(ledger, element, takes, kept);
         book_row(launch, ledger, ROW_ESCAPED, escaped, before);
 % else:
@@ -88,7 +85,7 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     end->m |= escaped;
 % endif
 % if "detector" in effects:
-    end->m |= ended & has_detector(launch, scene, SEL(ended, element, lsplat(0L)));
+    end->m |= ended & HAS_DETECTOR(h->code);
 % endif
     end->w = p->w;
     end->x = SEL(found, c.x, p->dx);

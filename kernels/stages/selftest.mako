@@ -73,19 +73,22 @@ __kernel void selftest_sincos(__global const double *turns, __global double *out
     ${store("c", 1)};
 }
 
-// Sums that must not depend on order: the production cell (three limbs and a count), and two limbs
-// of raw bits, every work-item adding to the same words.
+// Sums that must not depend on order: the production image of a weight (three limbs, and a count),
+// and two limbs of raw bits, every work-item adding to the same words.
 __kernel void selftest_limbs(__global const double *weight, volatile __global long *raw,
-                             __global long *cell, uint repeat) {
+                             volatile __global long *cell, uint repeat) {
     const size_t item = get_global_id(0);
+    const real w = ${load("weight")};
     for (uint r = 0; r < repeat; ++r) {
-        const size_t first = item * LANES;
-        for (uint l = 0; l < LANES; ++l) {
-            const double w = weight[first + (l + r) % LANES];
-            add_exact(cell, w);
-            const ulong bits = as_ulong(w);
-            atom_add(raw, (long)(bits & 0xFFFFFFFFUL));
-            atom_add(raw + 1, (long)(bits >> 32));
-        }
+        const image_t image = image_of(w);
+        const luint bits = AS_LUINT(w);
+% for l in range(lanes):
+        atom_add(cell, ${lane("image.p0", l)});
+        atom_add(cell + 1, ${lane("image.p1", l)});
+        atom_add(cell + 2, ${lane("image.p2", l)});
+        atom_add(cell + 3, 1L);
+        atom_add(raw, (long)(${lane("bits", l)} & 0xFFFFFFFFUL));
+        atom_add(raw + 1, (long)(${lane("bits", l)} >> 32));
+% endfor
     }
 }

@@ -1,18 +1,33 @@
-## effects, with detectors or the far field in use
-// The tally stage: endings into cells.  One number at a time, since atomics on scattered cells gain
-// nothing from lanes; kept out of the bounce loop, which it would slow by 40 %.
-// from: records.  to: the batch's tally.  Work-item g takes every `parts`-th record of segment g / parts.
+## effects, with detectors or the far field in use; private_tallies
+// The tally stage: endings into cells.  One number at a time, since scattered cells gain nothing from
+// lanes; kept out of the bounce loop, which it would slow by 40 %.
+// from: records.  to: the batch's tally.
+% if private_tallies:
+// Few work-items, each adding to a copy of its own without atomics: work-item g takes segments g,
+// g + copies, ...  `merge_stage` adds the copies up.
+% else:
+// Work-item g takes every `parts`-th record of segment g / parts; atomic sums.
+% endif
 __kernel void tally_stage(__global const launch_t *launch_buffer, __global const long *codes,
                           __global const double *detector_numbers, __global const double *edges,
                           __global const item_t *items, __global const double *record_reals,
                           __global const uint *record_words, __global long *tally, ulong parts) {
-    const ulong me = get_global_id(0) / parts;
-    if (me >= launch_buffer->items) return;
     const launch_t settings = open_launch(launch_buffer);
     const launch_t *launch = &settings;
+% if private_tallies:
+    if (get_global_id(0) >= parts) return;
+    tally += get_global_id(0) * launch->slots * launch->n_cells * CELL;
+    for (ulong me = get_global_id(0); me < launch->items; me += parts) {
+    const ulong first = 0, step = 1;
+% else:
+    {
+    const ulong me = get_global_id(0) / parts;
+    if (me >= launch_buffer->items) return;
+    const ulong first = get_global_id(0) % parts, step = parts;
+% endif
     const item_t item = items[me];
     __global long *cells = tally + item.slot * launch->n_cells * CELL;
-    for (ulong j = get_global_id(0) % parts; j < item.records; j += parts) {
+    for (ulong j = first; j < item.records; j += step) {
         const ulong k = me * launch->record_capacity + j;
         const double w = record_reals[4 * k];
         const double x = record_reals[4 * k + 1], y = record_reals[4 * k + 2], z = record_reals[4 * k + 3];
@@ -25,4 +40,21 @@ __kernel void tally_stage(__global const launch_t *launch_buffer, __global const
             count_arrival(cells, launch, codes, detector_numbers, edges, w, x, y, z, tag, record_words[2 * k + 1]);
 % endif
     }
+    }
 }
+
+% if private_tallies:
+// Adds the copies into the tally and clears them.  One work-item an integer.
+__kernel void merge_stage(__global const launch_t *launch_buffer, __global long *copies,
+                          __global long *tally, ulong n_copies) {
+    const ulong n = launch_buffer->slots * launch_buffer->n_cells * CELL;
+    const ulong i = get_global_id(0);
+    if (i >= n) return;
+    long sum = 0;
+    for (ulong c = 0; c < n_copies; c++) {
+        sum += copies[c * n + i];
+        copies[c * n + i] = 0;
+    }
+    tally[i] += sum;
+}
+% endif

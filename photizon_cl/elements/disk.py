@@ -1,0 +1,51 @@
+"""The flat disk."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+from photizon_cl.elements.base import Element
+from photizon_cl.parameters import positive_length
+
+if TYPE_CHECKING:
+    from photizon_cl.frames import Vec3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Disk(Element):
+    """A flat disk: local u² + v² ≤ radius², w = 0, rim included.
+
+    `position` is its centre and `axis` its normal. A ray that runs in its plane does not hit it.
+
+    Parameters
+    ----------
+    radius : float
+        Radius in metres.
+    """
+
+    kind: ClassVar[str] = "disk"
+    kernel: ClassVar[str] = "disk"
+    flat: ClassVar[bool] = True
+    has_map: ClassVar[bool] = True
+
+    radius: float = field(metadata=positive_length("radius"))
+
+    def packed(self) -> tuple[float, ...]:
+        """Return ``(radius,)``."""
+        return (self.radius,)
+
+    @property
+    def area(self) -> float:
+        """Area of one side in m², πr²."""
+        return math.pi * self.radius * self.radius
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the area."""
+        return {"area": (self.area, "m²")}
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
+        """Say whether a local point lies on the disk, see `Element.touches`."""
+        u, v, w = local
+        return abs(w) <= slack and math.hypot(u, v) <= self.radius + reach + slack

@@ -1,0 +1,46 @@
+"""Explicit tables of everything that a scene can hold, by the kind that a file names.
+
+Nothing registers itself by being imported: a kind exists when it has a row here.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from photizon_cl.detectors import Detector
+from photizon_cl.elements import Disk, Element, Rectangle, Sphere
+from photizon_cl.sources import (
+    CollimatedDisk,
+    CosinePoint,
+    IsotropicPoint,
+    LambertianDisk,
+    LambertianSphere,
+    Source,
+)
+from photizon_cl.surfaces import Absorber, Fresnel, Lambertian, Mirror, Surface
+
+ELEMENTS: Final[dict[str, type[Element]]] = {
+    "rectangle": Rectangle,
+    "disk": Disk,
+    "sphere": Sphere,
+}
+
+SURFACES: Final[dict[str, type[Surface]]] = {
+    "absorber": Absorber,
+    "mirror": Mirror,
+    "lambertian": Lambertian,
+    "fresnel": Fresnel,
+}
+
+SOURCES: Final[dict[str, type[Source]]] = {
+    "isotropic-point": IsotropicPoint,
+    "cosine-point": CosinePoint,
+    "lambertian-disk": LambertianDisk,
+    "lambertian-sphere": LambertianSphere,
+    "collimated-disk": CollimatedDisk,
+}
+
+DETECTORS: Final[dict[str, type[Detector]]] = {"detector": Detector}
+
+NOT_YET: Final[frozenset[str]] = frozenset({"cpc", "baffled-tube", "plano-convex", "biconvex"})
+"""Kinds that the file format knows and this version cannot trace."""

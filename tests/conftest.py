@@ -1,0 +1,88 @@
+"""What the whole suite shares: the device under test, and caches that leave no trace."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from hostcode.device import DeviceRecord, OpenDevice
+
+ROOT = Path(__file__).resolve().parents[1]
+
+# Before anything touches OpenCL, which reads these once. The suite neither reads nor writes the
+# caches of the person who runs it; PoCL's compiled kernels alone are kept between runs, beside
+# pytest's own cache, which makes the second run fast. `make clean` makes it cold again.
+_cache = tempfile.TemporaryDirectory(prefix="photizon-tests-")
+os.environ["XDG_CACHE_HOME"] = _cache.name
+os.environ.setdefault("POCL_CACHE_DIR", str(ROOT / ".pytest_cache" / "pocl"))
+Path(os.environ["POCL_CACHE_DIR"]).mkdir(parents=True, exist_ok=True)
+# No figure may ask for a display.
+os.environ.setdefault("MPLBACKEND", "agg")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _remove_cache() -> Iterator[None]:
+    yield
+    _cache.cleanup()
+
+
+@pytest.fixture(scope="session")
+def device() -> OpenDevice:
+    """Return the chosen device, open: that of PHOTIZON_DEVICE, or the best of this machine."""
+    from hostcode.device import choose, open_device
+
+    return open_device(choose())
+
+
+@pytest.fixture(scope="session")
+def usable_devices() -> list[DeviceRecord]:
+    """Return every device of this machine that qualifies and passes its self-test."""
+    from hostcode.device import enumerate_devices, qualify
+
+    return [record for record in enumerate_devices() if not qualify(record, self_test=True)]
+
+
+@pytest.fixture(scope="session", params=["debian", "pypi"])
+def pocl(request: pytest.FixtureRequest, usable_devices: list[DeviceRecord]) -> DeviceRecord:
+    """Return Debian's PoCL, then that of PyPI; skips where one is not installed."""
+    for record in usable_devices:
+        if record.origin == request.param:
+            return record
+    pytest.skip(f"no usable PoCL of {request.param} on this machine")
+
+
+@pytest.fixture(scope="session")
+def run_python() -> Callable[..., str]:
+    """Return a function that runs Python code in a process of its own and gives what it prints."""
+
+    def run(code: str, environment: dict[str, str] | None = None) -> str:
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=ROOT,
+            env={**os.environ, **(environment or {})},
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+        assert done.returncode == 0, f"exit status {done.returncode}:\n{done.stderr}"
+        return done.stdout
+
+    return run
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.get_closest_marker("gpu"):
+        from hostcode.device import enumerate_devices
+
+        if not any(record.type == "gpu" for record in enumerate_devices()):
+            pytest.skip("no GPU on this machine")

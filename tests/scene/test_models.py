@@ -1,0 +1,283 @@
+"""The tables of the registry, derived quantities, packing, presets and advisories."""
+
+import dataclasses
+import inspect
+import math
+
+import pytest
+
+import photizon_cl as pz
+from photizon_cl.described import parameters_of
+from photizon_cl.effects import EFFECTS
+from photizon_cl.frames import frame
+from photizon_cl.presets import preset, preset_names, preset_path, presets
+from photizon_cl.registry import DETECTORS, ELEMENTS, NOT_YET, SOURCES, SURFACES
+from photizon_cl.scene_io import load
+
+TABLES = {"element": ELEMENTS, "surface": SURFACES, "source": SOURCES, "detector": DETECTORS}
+ROWS = [(label, kind, cls) for label, table in TABLES.items() for kind, cls in table.items()]
+COMMON = {"name": "x", "position": (0, 0, 0)}
+BLACK = pz.Absorber()
+
+
+@pytest.mark.parametrize(("label", "kind", "cls"), ROWS, ids=[row[1] for row in ROWS])
+def test_rows_of_the_registry(label, kind, cls):
+    assert (cls.label, cls.kind) == (label, kind)
+    assert cls.kernel == kind.replace("-", "_")
+    assert dataclasses.is_dataclass(cls)
+    assert cls.__dataclass_params__.frozen
+    # One class a file, named after the kind, and every field a declared, documented parameter.
+    assert inspect.getfile(cls).endswith(f"{cls.kernel}.py")
+    fields = {item.name for item in dataclasses.fields(cls)}
+    assert fields == set(parameters_of(cls))
+    documented = " ".join(c.__doc__ for c in cls.__mro__ if c.__module__.startswith("photizon"))
+    assert all(f"{item} : " in documented for item in fields)
+    assert all(parameter.meaning for parameter in parameters_of(cls).values())
+
+
+def test_kinds_of_the_contract():
+    assert set(ELEMENTS) | NOT_YET == {
+        "rectangle", "disk", "sphere", "cpc", "baffled-tube", "plano-convex", "biconvex",
+    }  # fmt: skip
+    assert set(SURFACES) == {"absorber", "mirror", "lambertian", "fresnel"}
+    assert len(SOURCES) == 5
+    assert not NOT_YET & set(ELEMENTS)
+
+
+def test_every_kind_has_an_effect():
+    for label in ("element", "surface", "source"):
+        for kind in TABLES[label]:
+            assert f"{label}.{kind}" in EFFECTS
+    words = {name for name in EFFECTS if "." not in name}
+    assert words == {
+        "splitting", "roulette", "tilt", "port", "far-field", "detector", "map", "ladder", "shares",
+    }  # fmt: skip
+    assert all(effect.what and effect.costs for effect in EFFECTS.values())
+    with pytest.raises(TypeError):
+        EFFECTS["new"] = None
+
+
+def test_rectangle():
+    r = pz.Rectangle(**COMMON, axis="+x", half_width=2, half_height=3, surface=BLACK,
+                     detector=pz.Detector(map=(4, 3)))  # fmt: skip
+    assert r.packed() == (2.0, 3.0)
+    assert r.area == 24.0
+    assert r.derived() == {"area": (24.0, "m²"), "bin area": (2.0, "m²")}
+    assert (r.flat, r.has_map, r.detector_side) == (True, True, "front")
+    assert r.frame == frame("+x")
+
+
+def test_disk():
+    d = pz.Disk(**COMMON, axis="-z", radius=2, surface=BLACK, tilt_deg=(1, 2))
+    assert d.packed() == (2.0,)
+    assert d.area == pytest.approx(4 * math.pi, rel=1e-15)
+    assert d.detector_side is None
+    assert d.frame == frame("-z", (1.0, 2.0))
+
+
+def test_sphere():
+    s = pz.Sphere(**COMMON, axis="+z", radius=0.1, port_fraction=0.05, surface=pz.Lambertian(0.9))
+    assert s.packed() == (0.1, 0.9)
+    assert s.area == pytest.approx(4 * math.pi * 0.01 * 0.95, rel=1e-15)
+    assert s.area + s.port_area == pytest.approx(4 * math.pi * 0.01, rel=1e-15)
+    assert s.port_radius == pytest.approx(0.1 * math.sin(math.acos(0.9)), rel=1e-14)
+    assert s.multiplier == pytest.approx(1 / 0.145, rel=1e-14)
+    assert s.derived()["port angle"] == (pytest.approx(25.84193276), "deg")
+    whole = pz.Sphere(**COMMON, axis="+z", radius=1, surface=BLACK, detector=pz.Detector())
+    assert whole.cos_port == 1.0
+    assert whole.multiplier is None
+    assert whole.detector_side == "inside"
+    assert list(whole.derived()) == ["wall area"]
+    outside = dataclasses.replace(whole, detector=pz.Detector(side="outside"))
+    assert outside.detector_side == "outside"
+    white = dataclasses.replace(whole, detector=None, surface=pz.Lambertian(1))
+    assert white.multiplier == math.inf
+
+
+def test_surfaces():
+    assert pz.Absorber().packed() == ()
+    assert pz.Mirror(0.25).packed() == (0.25,)
+    assert pz.Lambertian(0.25).derived() == {"absorptance": (0.75, "")}
+    glass = pz.Fresnel(1.5)
+    assert glass.packed() == (1.5, 1.0)
+    assert glass.normal_reflectance == pytest.approx(0.04, rel=1e-15)
+    assert glass.critical_angle_deg == pytest.approx(41.8103149)
+    assert pz.Fresnel(1.0, 1.5).critical_angle_deg == glass.critical_angle_deg
+    assert pz.Fresnel(1.2, 1.2).critical_angle_deg is None
+
+
+def test_sources():
+    assert pz.IsotropicPoint(**COMMON, flux=4 * math.pi).radiant_intensity == 1.0
+    cosine = pz.CosinePoint(**COMMON, flux=math.pi, axis="-x", tilt_deg=(3, 0))
+    assert cosine.radiant_intensity == 1.0
+    assert cosine.packed() == ()
+    assert cosine.frame == frame("-x", (3.0, 0.0))
+    disk = pz.LambertianDisk(**COMMON, flux=math.pi**2, axis="+z", radius=1)
+    assert disk.radiance == pytest.approx(1.0, rel=1e-15)
+    sphere = pz.LambertianSphere(**COMMON, flux=math.pi**2 * 4, radius=1)
+    assert sphere.radiance == pytest.approx(1.0, rel=1e-15)
+    assert sphere.frame == frame("+z")
+    beam = pz.CollimatedDisk(**COMMON, flux=math.pi, axis="+z", radius=1)
+    assert beam.irradiance == pytest.approx(1.0, rel=1e-15)
+    for source in (disk, sphere, beam):
+        assert source.packed() == (1.0,)
+    for source in (cosine, disk, sphere, beam):
+        assert all(math.isfinite(value) for value, _ in source.derived().values())
+
+
+# --- Presets ------------------------------------------------------------------------------------
+
+
+def test_presets_are_listed_and_valid():
+    folder = preset_path("box-room").parent
+    assert {path.stem for path in folder.glob("*.toml")} == set(preset_names())
+    for entry in presets():
+        scene = load(entry.name)
+        assert scene.name == entry.name
+        assert scene.title == entry.title
+        assert len(entry.anchor) > 40
+        assert scene.advisories() == []
+        assert "Anchor:" in scene.notes
+    with pytest.raises(KeyError):
+        preset_path("../box-room")
+
+
+def test_anchor_numbers_follow_from_the_scenes():
+    scene = load("cosine-fourth")
+    h = scene.source[0].position[2]
+    centre = scene.source[0].flux / (math.pi * h * h)
+    corner = centre * (1 / math.sqrt(1 + 2 * scene.element[0].half_width ** 2)) ** 4
+    assert f"{centre:.6f}" in preset("cosine-fourth").anchor
+    assert corner == pytest.approx(centre / 9, rel=1e-15)
+    caught = 2 * math.sqrt(2) / math.pi * math.atan(1 / math.sqrt(2))
+    assert f"{caught:.6f}" in preset("cosine-fourth").anchor
+
+    globe = load("lambertian-sphere").source[0]
+    assert globe.radiance == pytest.approx(1.0, rel=1e-15)
+    assert f"{math.pi * globe.radius**2:.6f}" in preset("lambertian-sphere").anchor
+
+    wall = load("integrating-sphere").element[0]
+    received = (1 - wall.port_fraction) * wall.multiplier
+    absorbed = received * wall.surface.absorptance
+    for value in (received, absorbed, 1 - absorbed):
+        assert f"{value:.6f}" in preset("integrating-sphere").anchor
+    assert wall.cos_port == 0.9
+
+    room = load("box-room")
+    c = 1 / room.source[0].position[2]
+    direct = 4 / math.pi * (c / math.hypot(1, c)) * math.atan(c / math.hypot(1, c))
+    assert f"{direct:.6f}" in preset("box-room").anchor
+    assert f"{c * c / math.pi:.6f}" in preset("box-room").anchor
+    assert 0.6**room.run.generation_cap < 1e-12
+
+
+def test_ghost_ladder_faces_the_right_way():
+    scene = load("ghost-ladder")
+    front, back, transmitted, reflected = scene.element
+    beam = scene.source[0]
+    assert front.frame[2] == (0.0, 0.0, -1.0)  # out of the glass, towards the beam
+    assert back.frame[2] == (0.0, 0.0, 1.0)
+    assert front.surface == back.surface == pz.Fresnel(1.5, 1.0)
+    assert beam.frame[2] == (0.0, 0.0, 1.0)
+    z = [e.position[2] for e in (reflected, beam, front, back, transmitted)]
+    assert z == sorted(z)
+    assert transmitted.frame[2][2] < 0 < reflected.frame[2][2]
+    anchor = preset("ghost-ladder").anchor
+    r, t = 0.04, 0.96
+    for power in (t * t, t * t * r * r, t * t * r**4, r, t * t * r, t * t * r**3):
+        shown = {f"{power:.4f}", f"{power:.6f}", f"{power:.2f}", f"{power:.5e}", f"{power:.6e}"}
+        assert any(text.replace("e-0", "e-") in anchor for text in shown)
+
+
+# --- Advisories ---------------------------------------------------------------------------------
+
+
+def advisories(sources, elements, **run):
+    return pz.Scene("s", sources, elements, run=pz.RunSettings(**run)).advisories()
+
+
+def point(x, y, z):
+    return pz.IsotropicPoint(name="p", flux=1, position=(x, y, z))
+
+
+def plate(surface=BLACK, z=0.0, axis="+z", name="plate", **more):
+    return pz.Rectangle(name=name, position=(0, 0, z), axis=axis, half_width=1, half_height=1,
+                        surface=surface, **more)  # fmt: skip
+
+
+def ball(surface=BLACK, radius=1.0, **more):
+    return pz.Sphere(name="ball", position=(0, 0, 0), axis="+z", radius=radius, surface=surface,
+                     **more)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("source", "element", "lies"),
+    [
+        (point(0.5, 0.5, 0), plate(), True),
+        (point(1, 1, 0), plate(), True),
+        (point(0.5, 0.5, 1e-9), plate(), False),
+        (point(1.1, 0, 0), plate(), False),
+        (point(0, 0.9, 0), plate(tilt_deg=(0, 90)), True),
+        (point(0, 0.9, 0), plate(tilt_deg=(90, 0)), False),
+        (point(0.1, 0.9, 0.3), plate(tilt_deg=(12, 34)), False),
+        (point(0, 0, 0.1 + 0.2), plate(z=0.3), True),
+        (point(0.6, 0.8, 0), ball(), True),
+        (point(0, 0, 1), ball(port_fraction=0.1, surface=pz.Lambertian(0.5)), False),
+        (point(0, 0, -1), ball(port_fraction=0.1, surface=pz.Lambertian(0.5)), True),
+        (point(0, 0, 0), ball(), False),
+        (pz.LambertianDisk(name="d", flux=1, position=(1.5, 0, 0), axis="-z", radius=0.6),
+         plate(), True),
+        (pz.LambertianDisk(name="d", flux=1, position=(1.5, 0, 0), axis="-z", radius=0.4),
+         plate(), False),
+        (pz.LambertianDisk(name="d", flux=1, position=(1.5, 0, 0), axis="-x", radius=0.6),
+         plate(), False),
+        (pz.LambertianSphere(name="d", flux=1, position=(0, 0, 0), radius=1.0), ball(), True),
+        (pz.LambertianSphere(name="d", flux=1, position=(0, 0, 0), radius=0.9), ball(), False),
+        (pz.LambertianSphere(name="d", flux=1, position=(0, 0, 0), radius=0.9), plate(), False),
+    ],
+)  # fmt: skip
+def test_source_on_a_face(source, element, lies):
+    found = [line for line in advisories([source], [element]) if "within rounding" in line]
+    assert len(found) == lies
+    if lies:
+        assert f'"{source.name}"' in found[0]
+        assert f'"{element.name}"' in found[0]
+
+
+def test_detector_that_faces_away():
+    detector = pz.Detector()
+    away = plate(axis="-z", detector=detector)
+    (line,) = advisories([point(0, 0, 1)], [away])
+    assert "turn its axis" in line
+    assert advisories([point(0, 0, 1)], [plate(detector=detector)]) == []
+    assert advisories([point(0, 0, 1)], [away, plate(pz.Mirror(1), z=-2.0, name="m")]) == []
+    (line,) = advisories([point(0, 0, 3)], [ball(detector=detector)])
+    assert "name the other side" in line
+    outside = ball(detector=pz.Detector(side="outside"))
+    assert advisories([point(0, 0, 3)], [outside]) == []
+    assert len(advisories([point(0, 0, 0)], [outside])) == 1
+
+
+def test_generation_cap_that_cuts_a_sphere():
+    sphere = ball(pz.Lambertian(0.9), port_fraction=0.05)
+    (line,) = advisories([point(0, 0, 0)], [sphere])
+    assert "a cap of 177 leaves 1e-12" in line
+    assert advisories([point(0, 0, 0)], [sphere], generation_cap=177) == []
+    assert advisories([point(0, 0, 5)], [sphere]) == []
+    (line,) = advisories([point(0, 0, 0)], [ball(pz.Lambertian(1))])
+    assert "never decays" in line
+
+
+def test_covered_element():
+    (line,) = advisories([point(0, 0, 1)], [plate(), plate(name="twin")])
+    assert '"twin" is never hit' in line
+
+
+def test_fresnel_surfaces():
+    (line,) = advisories([point(0, 0, 3)], [plate(pz.Fresnel(1.5, 1.5))])
+    assert "both sides" in line
+    pair = [plate(pz.Fresnel(1.5)), plate(pz.Mirror(1), z=-1.0, name="m")]
+    (line,) = advisories([point(0, 0, 3)], pair)
+    assert "roulette_floor" in line
+    assert advisories([point(0, 0, 3)], pair, roulette_floor=1e-6) == []
+    assert advisories([point(0, 0, 3)], pair, generation_cap=8) == []
