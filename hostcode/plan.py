@@ -61,7 +61,9 @@ class ExecutionPlan:
 
     def __post_init__(self) -> None:
         if self.composition not in COMPOSITIONS:
-            raise HostError(f"composition {self.composition!r} is none of {', '.join(COMPOSITIONS)}")
+            raise HostError(
+                f"composition {self.composition!r} is none of {', '.join(COMPOSITIONS)}"
+            )
         if self.lanes not in LANE_WIDTHS:
             raise HostError(f"lanes {self.lanes} is none of {', '.join(map(str, LANE_WIDTHS))}")
         if self.composition == "whole-path" and self.lanes != 1:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import re
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.errors import KernelBuildError
@@ -26,6 +26,7 @@ __all__ = [
     "MATERIAL_STRIDE",
     "MAX_REGISTER_ELEMENTS",
     "OPTIONS",
+    "ROW_FRAME",
     "ROW_STRIDE",
     "SOURCE_STRIDE",
     "ElementClass",
@@ -38,6 +39,7 @@ __all__ = [
 ]
 
 ROW_STRIDE: Final = 24
+ROW_FRAME: Final = 15
 MATERIAL_STRIDE: Final = 4
 SOURCE_STRIDE: Final = 20
 MAX_REGISTER_ELEMENTS: Final = 8
@@ -47,7 +49,7 @@ OPTIONS: Final[tuple[str, ...]] = ("-cl-std=CL1.2",)
 """Build options; no ``-cl-*-math`` option may ever stand here."""
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True)
 class ElementClass:
     """Elements that one intersection function serves.
 
@@ -69,7 +71,7 @@ class ElementClass:
 
     kind: str
     flat: bool
-    axis: int | None = field(compare=False)
+    axis: int | None
     ported: bool = False
     single: bool = False
     number: int = 0
@@ -172,13 +174,14 @@ def program_source(spec: ProgramSpec) -> str:
         "n_elements": spec.n_elements,
         "ledger_rows": spec.n_elements + 4 if spec.n_elements else 0,
         "row_stride": ROW_STRIDE,
+        "row_frame": ROW_FRAME,
         "material_stride": MATERIAL_STRIDE,
         "source_stride": SOURCE_STRIDE,
         "launch_struct": c_struct("launch_t", LAUNCH),
         "item_struct": c_struct("item_t", ITEM),
         **spec.queue_fields,
     }
-    parts = [("prelude.mako", {}), ("lib/philox.mako", {})]
+    parts: list[tuple[str, dict[str, Any]]] = [("prelude.mako", {}), ("lib/philox.mako", {})]
     parts += [(f"lib/{stem}.mako", {}) for stem in ("elementary", "vectors", "limbs", "packets")]
     parts += [("lib/faces.mako", {})]
     for cls in spec.classes:
@@ -253,7 +256,7 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
     Raises
     ------
     KernelBuildError
-        Where a template does not render or the compiler refuses the text; names the template's line.
+        Where a template does not render or the compiler refuses the text, with its line.
     """
     import pyopencl as cl
 

@@ -7,10 +7,12 @@ two tallies stand for the same numbers exactly when their canonical forms are th
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 __all__ = ["CELL", "UNIT_EXPONENT", "canonical", "exact", "image", "values"]
 

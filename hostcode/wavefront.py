@@ -3,8 +3,8 @@
 A batch's tally is a pure function of the scene, the seed and the batch's number. Nothing of how it
 is computed reaches it: composition, lanes, wave size, work-items, work-groups or threads.
 
-Several batches may be in flight, each in a *slot* of its own. A wave launches a range of their rays,
-shares it among the work-items and drains them all; then the slots' tallies are read.
+Several batches may be in flight, each in a *slot* of its own. A wave launches a range of their
+rays, shares it among the work-items and drains them all; then the slots' tallies are read.
 """
 
 from __future__ import annotations
@@ -113,15 +113,12 @@ class Engine:
         self.program: Program = build(device, spec)
         self._items = self._count_items()
         self._queue = Queue(device, spec, self._items, self._stack_capacity())
-        flags = cl.mem_flags
-        read = flags.READ_ONLY | flags.COPY_HOST_PTR
-        upload = lambda array: cl.Buffer(device.context, read, hostbuf=_filled(array))  # noqa: E731
+        allocate, upload = self._allocate, self._upload
         self._scene = [
             upload(a) for a in (tables.geometry, tables.materials, tables.sources, tables.codes)
         ]
         self._detector_numbers = upload(tables.detector_numbers)
         self._edges = upload(tables.edges)
-        allocate = lambda size: cl.Buffer(device.context, flags.READ_WRITE, max(int(size), 64))  # noqa: E731
         self._launch_buffer = allocate(numpy_dtype(LAUNCH).itemsize)
         self._status = allocate(8 * len(STATUS))
         self._tally = allocate(8 * CELL * tables.n_cells * self._slots)
@@ -135,6 +132,16 @@ class Engine:
         hits = self._queue.places if plan.composition == "classical" else 0
         self._hits = (allocate(16 * hits), allocate(8 * hits))
         self._bind()
+
+    def _allocate(self, size: int) -> cl.Buffer:
+        flags = self._cl.mem_flags.READ_WRITE
+        return self._cl.Buffer(self.device.context, flags, max(int(size), 64))
+
+    def _upload(self, array: NDArray[Any]) -> cl.Buffer:
+        flags = self._cl.mem_flags.READ_ONLY | self._cl.mem_flags.COPY_HOST_PTR
+        # a buffer cannot be empty
+        filled = np.ascontiguousarray(array) if array.size else np.zeros(1, array.dtype)
+        return self._cl.Buffer(self.device.context, flags, hostbuf=filled)
 
     # -- sizes ---------------------------------------------------------------------------------
 
@@ -333,11 +340,8 @@ class Engine:
         """Give every segment twice the room; nothing in it is lost."""
         self._queue.grow()
         if self.plan.composition == "classical":
-            flags = self._cl.mem_flags.READ_WRITE
             places = self._queue.places
-            self._hits = tuple(
-                self._cl.Buffer(self.device.context, flags, size * places) for size in (16, 8)
-            )
+            self._hits = (self._allocate(16 * places), self._allocate(8 * places))
         self._bind()
         self._write_launch(first_batch)
 
@@ -353,8 +357,3 @@ class Engine:
         self._cl.enqueue_copy(self.device.queue, part, self._tally)
         flat = canonical((total + part).reshape(-1, CELL))
         return flat.reshape(total.shape)
-
-
-def _filled(array: NDArray[Any]) -> NDArray[Any]:
-    """Return a contiguous array of at least one entry, since buffers cannot be empty."""
-    return np.ascontiguousarray(array) if array.size else np.zeros(1, array.dtype)

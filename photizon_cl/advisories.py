@@ -58,7 +58,7 @@ def _lies_on(source: Source, element: Element) -> bool:
 def _covered_elements(scene: Scene) -> Iterator[str]:
     first: dict[tuple[object, ...], str] = {}
     for element in scene.element:
-        shape = (element.kind, element.position, element.frame, element.packed())
+        shape = (element.kind, element.position, element.frame, element.packed(element.position, None))
         if shape in first:
             yield (
                 f'element "{element.name}" has the very geometry of "{first[shape]}", which is '
@@ -116,10 +116,10 @@ def _fresnel_surfaces(scene: Scene) -> Iterator[str]:
     reflectors = [e.name for e in scene.element if e.surface.kind in ("mirror", "lambertian")]
     lenses = [e for e in scene.element if e.surface.kind == "fresnel"]
     for element in lenses:
-        index, index_outside = element.surface.packed()
-        if index == index_outside:
+        m, _, inverse, _ = element.surface.packed()
+        if m == inverse:
             yield (
-                f'element "{element.name}" has the index {index!r} on both sides: '
+                f'element "{element.name}" has the same index on both sides: '
                 "it reflects nothing and bends nothing"
             )
     run = scene.run

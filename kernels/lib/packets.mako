@@ -47,7 +47,7 @@ typedef struct {
 
 // Columns of an element's row in the geometry table.
 #define ROW ${row_stride}
-#define ROW_FRAME 15
+#define ROW_FRAME ${row_frame}
 #define ELEMENT_OF(code) ((code) >> 16)
 #define HAS_DETECTOR(code) NE((code) & (1L << 12), lsplat(0L))
 #define SURFACE_OF(code) (((code) >> 8) & 15L)

@@ -9,7 +9,7 @@ from typing import ClassVar
 from photizon_cl.described import Described, Known, Nested
 from photizon_cl.detectors import Detector
 from photizon_cl.errors import Problem, show
-from photizon_cl.frames import Frame, Vec3, frame, to_local
+from photizon_cl.frames import Frame, Vec3, axis_index, frame, to_local
 from photizon_cl.parameters import declare, point, signed_axis, tilt, unique_name
 from photizon_cl.surfaces import Surface
 
@@ -123,9 +123,36 @@ class Element(Described):
             return None
         return self.detector.side or self.default_side
 
+    @property
+    def ported(self) -> bool:
+        """Whether a part of it is cut out, so that the device tests for the opening."""
+        return False
+
+    @property
+    def class_axis(self) -> int | None:
+        """World axis (0, 1, 2) that the kernels are specialised to; None where it is tilted."""
+        return None if self.tilt_deg != (0.0, 0.0) else axis_index(self.axis) // 2
+
+    @property
     @abstractmethod
-    def packed(self) -> tuple[float, ...]:
-        """Return the device parameters of the shape, in the order that the kernel names them."""
+    def reach(self) -> float:
+        """Radius in metres of a ball around `position` that holds the element."""
+
+    @abstractmethod
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return columns 3 and on of its row in the geometry table, as its kernel names them.
+
+        Parameters
+        ----------
+        centre : tuple of float
+            `position` in the device's coordinates, in metres.
+        axis : int or None
+            World axis that its kernel is specialised to; None for the general one.
+        """
+
+    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
+        """Return the edges of a map's bins along u and along v, as the kernels want them."""
+        raise NotImplementedError  # only elements with `has_map` are asked
 
     @property
     @abstractmethod

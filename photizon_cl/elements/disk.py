@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from photizon_cl.elements.base import Element
+from photizon_cl.elements.flat import Flat
 from photizon_cl.parameters import positive_length
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Disk(Element):
+class Disk(Flat):
     """A flat disk: local u² + v² ≤ radius², w = 0, rim included.
 
     `position` is its centre and `axis` its normal. A ray that runs in its plane does not hit it.
@@ -27,14 +27,18 @@ class Disk(Element):
 
     kind: ClassVar[str] = "disk"
     kernel: ClassVar[str] = "disk"
-    flat: ClassVar[bool] = True
-    has_map: ClassVar[bool] = True
 
     radius: float = field(metadata=positive_length("radius"))
 
-    def packed(self) -> tuple[float, ...]:
-        """Return ``(radius,)``."""
-        return (self.radius,)
+    @property
+    def half_sizes(self) -> tuple[float, float]:
+        """Half extents along u and v in metres."""
+        return (self.radius, self.radius)
+
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around the centre that holds it."""
+        return self.radius
 
     @property
     def area(self) -> float:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from photizon_cl.elements.base import Element
+from photizon_cl.elements.flat import Flat
 from photizon_cl.parameters import positive_length
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rectangle(Element):
+class Rectangle(Flat):
     """A flat rectangle: local |u| ≤ half_width, |v| ≤ half_height, w = 0, edges included.
 
     `position` is its centre and `axis` its normal. A ray that runs in its plane does not hit it.
@@ -29,15 +29,19 @@ class Rectangle(Element):
 
     kind: ClassVar[str] = "rectangle"
     kernel: ClassVar[str] = "rectangle"
-    flat: ClassVar[bool] = True
-    has_map: ClassVar[bool] = True
 
     half_width: float = field(metadata=positive_length("half the side along u"))
     half_height: float = field(metadata=positive_length("half the side along v"))
 
-    def packed(self) -> tuple[float, ...]:
-        """Return ``(half_width, half_height)``."""
+    @property
+    def half_sizes(self) -> tuple[float, float]:
+        """Half extents along u and v in metres."""
         return (self.half_width, self.half_height)
+
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around the centre that holds it."""
+        return math.hypot(self.half_width, self.half_height)
 
     @property
     def area(self) -> float:

@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
+from photizon_cl.edges import azimuth_edges, even_edges
 from photizon_cl.elements.base import Element
 from photizon_cl.errors import Problem, show
+from photizon_cl.frames import axis_index
 from photizon_cl.parameters import number, positive_length
 
 if TYPE_CHECKING:
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from photizon_cl.frames import Vec3
 
 SMALLEST_PORT = 1e-16  # below about half of this, 1 − 2f rounds to 1
+_ROUNDOFF = 2.0**-53
 PORT_RANGE = "0, or a number from 1e-16 up to but not including 1"
 
 
@@ -69,9 +72,32 @@ class Sphere(Element):
             "close the port or take another surface"
         )
 
-    def packed(self) -> tuple[float, ...]:
-        """Return ``(radius, cos_port)``."""
-        return (self.radius, self.cos_port)
+    @property
+    def ported(self) -> bool:
+        """Whether it has a port."""
+        return self.port_fraction > 0.0
+
+    @property
+    def class_axis(self) -> int | None:
+        """World axis of the port; None without one, since a whole sphere has no direction."""
+        return super().class_axis if self.ported else None
+
+    @property
+    def reach(self) -> float:
+        """Its radius in metres."""
+        return self.radius
+
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return the radius and what follows from it, see ``kernels/elements/sphere.mako``."""
+        radius, far = self.radius, max(map(abs, centre))
+        rim = radius * self.cos_port + 4.0 * _ROUNDOFF * (radius + far)
+        on_surface = 8.0 * _ROUNDOFF * radius * (radius + far)
+        sign = -1.0 if axis_index(self.axis) % 2 else 1.0
+        return (radius, 1.0 / (radius * radius), 1.0 / radius, rim, on_surface, sign)
+
+    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
+        """Return cosine and sine of the edges in φ, and edges in metres along the axis."""
+        return azimuth_edges(nx), even_edges(-self.radius, self.radius, ny)
 
     @property
     def cos_port(self) -> float:

@@ -15,6 +15,8 @@ class Surface(Described):
     label: ClassVar[str] = "surface"
     kind: ClassVar[str] = ""
     kernel: ClassVar[str] = ""
+    splits: ClassVar[bool] = False
+    """Whether a ray goes on as two."""
 
     def packed(self) -> tuple[float, ...]:
         """Return the device parameters, in the order that the kernel names them."""

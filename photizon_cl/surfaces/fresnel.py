@@ -34,6 +34,7 @@ class Fresnel(Surface):
 
     kind: ClassVar[str] = "fresnel"
     kernel: ClassVar[str] = "fresnel"
+    splits: ClassVar[bool] = True
 
     index: float = field(metadata=refractive_index("index behind the normal, or inside the solid"))
     index_outside: float = field(
@@ -41,8 +42,18 @@ class Fresnel(Surface):
     )
 
     def packed(self) -> tuple[float, ...]:
-        """Return ``(index, index_outside)``."""
-        return (self.index, self.index_outside)
+        """Return m = n₁/n₂ and 1 − m² from the + side, then from the − side.
+
+        1 − m² = (n₂ − n₁)(n₂ + n₁)/n₂², with the difference of the indices taken before anything
+        is rounded.
+        """
+        inside, outside = self.index, self.index_outside
+        return (
+            outside / inside,
+            (inside - outside) * (inside + outside) / (inside * inside),
+            inside / outside,
+            (outside - inside) * (outside + inside) / (outside * outside),
+        )
 
     @property
     def normal_reflectance(self) -> float:

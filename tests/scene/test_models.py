@@ -60,7 +60,7 @@ def test_every_kind_has_an_effect():
 def test_rectangle():
     r = pz.Rectangle(**COMMON, axis="+x", half_width=2, half_height=3, surface=BLACK,
                      detector=pz.Detector(map=(4, 3)))  # fmt: skip
-    assert r.packed() == (2.0, 3.0)
+    assert r.half_sizes == (2.0, 3.0)
     assert r.area == 24.0
     assert r.derived() == {"area": (24.0, "m²"), "bin area": (2.0, "m²")}
     assert (r.flat, r.has_map, r.detector_side) == (True, True, "front")
@@ -69,7 +69,7 @@ def test_rectangle():
 
 def test_disk():
     d = pz.Disk(**COMMON, axis="-z", radius=2, surface=BLACK, tilt_deg=(1, 2))
-    assert d.packed() == (2.0,)
+    assert d.half_sizes == (2.0, 2.0)
     assert d.area == pytest.approx(4 * math.pi, rel=1e-15)
     assert d.detector_side is None
     assert d.frame == frame("-z", (1.0, 2.0))
@@ -77,7 +77,7 @@ def test_disk():
 
 def test_sphere():
     s = pz.Sphere(**COMMON, axis="+z", radius=0.1, port_fraction=0.05, surface=pz.Lambertian(0.9))
-    assert s.packed() == (0.1, 0.9)
+    assert s.packed(s.position, None)[0] == 0.1
     assert s.area == pytest.approx(4 * math.pi * 0.01 * 0.95, rel=1e-15)
     assert s.area + s.port_area == pytest.approx(4 * math.pi * 0.01, rel=1e-15)
     assert s.port_radius == pytest.approx(0.1 * math.sin(math.acos(0.9)), rel=1e-14)
@@ -99,7 +99,7 @@ def test_surfaces():
     assert pz.Mirror(0.25).packed() == (0.25,)
     assert pz.Lambertian(0.25).derived() == {"absorptance": (0.75, "")}
     glass = pz.Fresnel(1.5)
-    assert glass.packed() == (1.5, 1.0)
+    assert glass.packed() == (1 / 1.5, 1.25 / 2.25, 1.5, -1.25)
     assert glass.normal_reflectance == pytest.approx(0.04, rel=1e-15)
     assert glass.critical_angle_deg == pytest.approx(41.8103149)
     assert pz.Fresnel(1.0, 1.5).critical_angle_deg == glass.critical_angle_deg

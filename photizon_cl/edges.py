@@ -1,4 +1,4 @@
-"""Cosines and sines of equal parts of a turn, rounded once, the same on every machine.
+"""Edges of bins, each rounded once, the same on every machine.
 
 The C library's sin and cos differ in the last place between machines; a bin's edge must not.
 """
@@ -6,10 +6,11 @@ The C library's sin and cos differ in the last place between machines; a bin's e
 from __future__ import annotations
 
 from decimal import Context, Decimal
+from fractions import Fraction
 from functools import cache
 from typing import Final
 
-__all__ = ["azimuth_edges"]
+__all__ = ["azimuth_edges", "even_edges"]
 
 _CONTEXT: Final = Context(prec=50)
 _PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
@@ -39,3 +40,9 @@ def _cos_sin(numerator: int, denominator: int) -> tuple[float, float]:
 def azimuth_edges(n: int) -> list[float]:
     """Return cosine and sine of k/n turns for k = 0 … n − 1, one after the other."""
     return [value + 0.0 for k in range(n) for value in _cos_sin(k, n)]
+
+
+def even_edges(low: float, high: float, n: int) -> list[float]:
+    """Return the n + 1 edges of equal bins from `low` to `high`."""
+    start, width = Fraction(low), Fraction(high) - Fraction(low)
+    return [float(start + width * k / n) for k in range(n + 1)]

@@ -1,0 +1,51 @@
+"""What flat elements share."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from photizon_cl.edges import even_edges
+from photizon_cl.elements.base import Element
+from photizon_cl.frames import axis_index
+
+if TYPE_CHECKING:
+    from photizon_cl.frames import Vec3
+
+_ROUNDOFF: Final = 2.0**-53
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flat(Element):
+    """A part of a plane around `position`, with `axis` as its normal."""
+
+    flat: ClassVar[bool] = True
+    has_map: ClassVar[bool] = True
+
+    @property
+    @abstractmethod
+    def half_sizes(self) -> tuple[float, float]:
+        """Half extents along u and v in metres."""
+
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return the half sizes with their rounding bounds, see ``kernels/lib/flat.mako``.
+
+        The bounds are what the rounding of a hit point's coordinates can amount to: a few units
+        in the last place of the element's size and distance from the origin.
+        """
+        far = max(map(abs, centre))
+        half = self.half_sizes
+        # for +a the frame's u is world axis a + 1; for -a it is a + 2
+        if axis is not None and axis_index(self.axis) % 2 == 1:
+            half = (half[1], half[0])
+        outer = [h + 4.0 * _ROUNDOFF * (h + far) for h in half]
+        inner = [h - 2.0 * _ROUNDOFF * (h + far) for h in half]
+        plane = far if axis is None else abs(centre[axis])
+        sign = -1.0 if axis_index(self.axis) % 2 else 1.0
+        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign)
+
+    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
+        """Return edges in metres along u and along v over the bounding rectangle."""
+        u, v = self.half_sizes
+        return even_edges(-u, u, nx), even_edges(-v, v, ny)

@@ -1,0 +1,169 @@
+"""A scene's objects as the rows that the kernels read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hostcode.program import (
+    MATERIAL_STRIDE,
+    ROW_FRAME,
+    ROW_STRIDE,
+    SOURCE_STRIDE,
+    ElementClass,
+    SourceKind,
+    SurfaceKind,
+)
+from photizon_cl.frames import axis_index
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from photizon_cl.elements import Element
+    from photizon_cl.frames import Vec3
+    from photizon_cl.layout import DetectorCells
+    from photizon_cl.scene import Scene
+    from photizon_cl.sources import Source
+
+# -- sources -------------------------------------------------------------------------------------
+
+
+def extended(source: Source) -> bool:
+    return bool(source.packed())
+
+
+def source_table(
+    scene: Scene,
+    kinds: tuple[SourceKind, ...],
+    rays: tuple[int, ...],
+    weights: list[float],
+    shift: tuple[float, float, float],
+) -> NDArray[np.float64]:
+    number = {kind.stem: kind.number for kind in kinds}
+    table = np.zeros((len(scene.source), SOURCE_STRIDE))
+    first = 0
+    for row, source, n, weight in zip(table, scene.source, rays, weights, strict=True):
+        row[0:3] = np.subtract(source.position, shift)
+        row[3] = source.packed()[0] if source.packed() else 0.0
+        row[4:8] = weight, first, first + n, number[source.kernel]
+        row[8:17] = np.ravel(source.frame)
+        first += n
+    return table.ravel()
+
+
+# -- elements ------------------------------------------------------------------------------------
+
+
+def recentre(scene: Scene) -> tuple[float, float, float]:
+    """Return the shift that brings a far scene near the origin, zero for one that is near.
+
+    A whole multiple of four times the scene's size, rounded to a power of two: positions lose
+    nothing by the subtraction, and a scene around the origin is not touched.
+    """
+    boxes = [(e.position, e.reach) for e in scene.element]
+    boxes += [(s.position, s.packed()[0] if s.packed() else 0.0) for s in scene.source]
+    low = np.min([np.subtract(p, r) for p, r in boxes], axis=0)
+    high = np.max([np.add(p, r) for p, r in boxes], axis=0)
+    size = float(np.max(high - low))
+    if not size > 0.0:
+        return (0.0, 0.0, 0.0)
+    step = 2.0 ** (int(np.ceil(np.log2(size))) + 2)
+    x, y, z = (float(np.rint(c / step)) * step for c in (low + high) / 2)
+    return (x, y, z)
+
+
+def element_classes(
+    scene: Scene, force_tilt: bool
+) -> tuple[tuple[ElementClass, ...], list[ElementClass]]:
+    keys: list[tuple[str, bool, int | None, bool]] = []
+    for e in scene.element:
+        keys.append((e.kernel, e.flat, None if force_tilt else e.class_axis, e.ported))
+    order = sorted(set(keys), key=lambda k: (k[0], -1 if k[2] is None else k[2], k[3]))
+    classes = {
+        key: ElementClass(*key, single=keys.count(key) == 1 and not key[1], number=n)
+        for n, key in enumerate(order)
+    }
+    return tuple(classes.values()), [classes[key] for key in keys]
+
+
+def class_codes(
+    scene: Scene,
+    classes: tuple[ElementClass, ...],
+    class_of: list[ElementClass],
+    surface_number: dict[str, int],
+) -> list[int]:
+    """Bounds of each class, then the elements' codes class by class."""
+    bounds = [len(classes) + 1]
+    codes: list[int] = []
+    for cls in classes:
+        for n, element in enumerate(scene.element):
+            if class_of[n] is cls:
+                down = cls.axis is not None and axis_index(element.axis) % 2 == 1
+                counted = element.detector is not None
+                kind = surface_number[element.surface.kind]
+                codes.append(n << 16 | counted << 12 | kind << 8 | down << 7 | cls.number)
+        bounds.append(len(classes) + 1 + len(codes))
+    return bounds + codes
+
+
+def geometry_table(
+    scene: Scene, class_of: list[ElementClass], shift: tuple[float, float, float]
+) -> NDArray[np.float64]:
+    table = np.zeros((len(scene.element), ROW_STRIDE))
+    for row, element, cls in zip(table, scene.element, class_of, strict=True):
+        x, y, z = centre = _from_shift(element.position, shift)
+        packed = element.packed(centre, cls.axis)
+        row[0:3] = x, y, z
+        row[3 : 3 + len(packed)] = packed
+        row[ROW_FRAME : ROW_FRAME + 9] = np.ravel(element.frame)
+    return table.ravel()
+
+
+def _from_shift(position: Vec3, shift: Vec3) -> Vec3:
+    return (position[0] - shift[0], position[1] - shift[1], position[2] - shift[2])
+
+
+# -- surfaces ------------------------------------------------------------------------------------
+
+
+def material_table(scene: Scene) -> tuple[list[float], list[int]]:
+    """Rows of the distinct surfaces, and where in them each element's begins."""
+    rows: dict[tuple[str, tuple[float, ...]], int] = {}
+    of_element = []
+    for element in scene.element:
+        packed = element.surface.packed()
+        padded = packed + (0.0,) * (MATERIAL_STRIDE - len(packed))
+        key = (element.surface.kind, padded)
+        of_element.append(rows.setdefault(key, len(rows) * MATERIAL_STRIDE))
+    return [x for _, row in rows for x in row], of_element
+
+
+def surface_kinds(scene: Scene, material_of: list[int]) -> tuple[SurfaceKind, ...]:
+    rows: dict[str, set[int]] = {}
+    for element, at in zip(scene.element, material_of, strict=True):
+        rows.setdefault(element.surface.kind, set()).add(at)
+    return tuple(
+        SurfaceKind(kind, n, single=len(rows[kind]) == 1) for n, kind in enumerate(sorted(rows))
+    )
+
+
+# -- detectors -----------------------------------------------------------------------------------
+
+
+def detector_row(
+    element: Element, d: DetectorCells, shift: tuple[float, float, float], edges: list[float]
+) -> tuple[list[int], list[float]]:
+    counts_plus = element.detector_side in ("front", "outside")
+    x_edges = y_edges = 0
+    if d.nx:
+        along_x, along_y = element.map_edges(d.nx, d.ny)
+        x_edges = len(edges)
+        y_edges = x_edges + len(along_x)
+        edges += along_x + along_y
+    integers = [
+        int(counts_plus), d.power, d.ladder, d.n_generations, d.map, d.nx, d.ny, x_edges, y_edges,
+        int(not element.flat),
+    ]  # fmt: skip
+    row = [*np.subtract(element.position, shift).tolist(), *np.ravel(element.frame).tolist()]
+    return integers, row

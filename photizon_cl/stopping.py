@@ -1,0 +1,71 @@
+"""When a run stops: the accuracy that it reached, and the goal that it had."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from photizon_cl.statistics import LIT_COUNT
+
+if TYPE_CHECKING:
+    from photizon_cl.compile import TallyLayout
+    from photizon_cl.statistics import Accumulator
+
+__all__ = ["LEAST_BATCHES", "Goal", "achieved_sigma"]
+
+LEAST_BATCHES: Final = 8
+"""Batches before a target can be met: a standard error from fewer is itself too uncertain."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a run is to reach; it ends at whichever comes first.
+
+    Parameters
+    ----------
+    batches : int or None
+        Batches in all.
+    target : float or None
+        Median relative standard error, as `achieved_sigma` gives it.
+    max_seconds : float or None
+        Time on the host's clock; checked between waves, and at least one batch is made.
+    """
+
+    batches: int | None = None
+    target: float | None = None
+    max_seconds: float | None = None
+
+    def reached(self, layout: TallyLayout, tally: Accumulator) -> bool:
+        """Say whether the run ends behind the batch that was added last, time aside."""
+        if self.batches is not None and tally.batches >= self.batches:
+            return True
+        if self.target is None or tally.batches < LEAST_BATCHES:
+            return False
+        achieved = achieved_sigma(layout, tally)
+        return achieved is not None and achieved <= self.target
+
+
+def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
+    """Return the median relative standard error of what a scene is about.
+
+    Over the bins with at least 10 arrivals of all maps together; without a map, over the
+    detectors' totals; without a detector, over the absorbed rows and the escaped row. Totals and
+    rows that are zero have no relative error and are left out.
+
+    Returns
+    -------
+    float or None
+        None with a single batch, or where nothing has a relative error.
+    """
+    if tally.batches < 2:
+        return None
+    maps = [(d.map, d.nx * d.ny) for d in layout.detectors if d.nx]
+    ranges = maps or [(d.power, 1) for d in layout.detectors] or [(0, layout.n_elements + 1)]
+    mean = np.concatenate([tally.mean(*r) for r in ranges])
+    error = np.concatenate([tally.standard_error(*r) for r in ranges])
+    known = mean > 0.0
+    if maps:
+        known &= np.concatenate([tally.count[first : first + n] for first, n in ranges]) >= LIT_COUNT
+    return float(np.median(error[known] / mean[known])) if known.any() else None
