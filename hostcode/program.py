@@ -183,12 +183,11 @@ def program_source(spec: ProgramSpec) -> str:
     }
     parts: list[tuple[str, dict[str, Any]]] = [("prelude.mako", {}), ("lib/philox.mako", {})]
     parts += [(f"lib/{stem}.mako", {}) for stem in ("elementary", "vectors", "limbs", "packets")]
-    parts += [("lib/faces.mako", {})]
     for cls in spec.classes:
+        parts.append((f"elements/{cls.kind}.mako", {"cls": cls}))
         if cls.flat:
             parts.append(("lib/flat.mako", {"cls": cls}))
-        parts.append((f"elements/{cls.kind}.mako", {"cls": cls}))
-    parts += [("lib/nearest.mako", {}), ("lib/locate.mako", {}), ("lib/ledger.mako", {})]
+    parts += [(f"lib/{stem}.mako", {}) for stem in ("faces", "nearest", "locate", "ledger")]
     parts += [(f"surfaces/{surface.kind}.mako", {}) for surface in spec.surfaces]
     if "detector" in spec.effects or "far-field" in spec.effects:
         parts += [("lib/cells.mako", {}), ("detectors/bins.mako", {})]

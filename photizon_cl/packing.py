@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 
 def extended(source: Source) -> bool:
+    """Say whether a source draws a position besides a direction."""
     return bool(source.packed())
 
 
@@ -40,6 +41,7 @@ def source_table(
     weights: list[float],
     shift: tuple[float, float, float],
 ) -> NDArray[np.float64]:
+    """Return the rows of the source table, see ``kernels/lib/sources.mako``."""
     number = {kind.stem: kind.number for kind in kinds}
     table = np.zeros((len(scene.source), SOURCE_STRIDE))
     first = 0
@@ -76,6 +78,7 @@ def recentre(scene: Scene) -> tuple[float, float, float]:
 def element_classes(
     scene: Scene, force_tilt: bool
 ) -> tuple[tuple[ElementClass, ...], list[ElementClass]]:
+    """Return the classes of a scene's elements in order, and the class of each element."""
     keys: list[tuple[str, bool, int | None, bool]] = []
     for e in scene.element:
         keys.append((e.kernel, e.flat, None if force_tilt else e.class_axis, e.ported))
@@ -110,6 +113,7 @@ def class_codes(
 def geometry_table(
     scene: Scene, class_of: list[ElementClass], shift: tuple[float, float, float]
 ) -> NDArray[np.float64]:
+    """Return the elements' rows: centre, what their class packs, frame."""
     table = np.zeros((len(scene.element), ROW_STRIDE))
     for row, element, cls in zip(table, scene.element, class_of, strict=True):
         x, y, z = centre = _from_shift(element.position, shift)
@@ -140,6 +144,7 @@ def material_table(scene: Scene) -> tuple[list[float], list[int]]:
 
 
 def surface_kinds(scene: Scene, material_of: list[int]) -> tuple[SurfaceKind, ...]:
+    """Return the surface kinds in use, by name."""
     rows: dict[str, set[int]] = {}
     for element, at in zip(scene.element, material_of, strict=True):
         rows.setdefault(element.surface.kind, set()).add(at)
@@ -154,6 +159,7 @@ def surface_kinds(scene: Scene, material_of: list[int]) -> tuple[SurfaceKind, ..
 def detector_row(
     element: Element, d: DetectorCells, shift: tuple[float, float, float], edges: list[float]
 ) -> tuple[list[int], list[float]]:
+    """Return a detector's integers and numbers; its bins' edges go to the end of `edges`."""
     counts_plus = element.detector_side in ("front", "outside")
     x_edges = y_edges = 0
     if d.nx:

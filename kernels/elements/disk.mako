@@ -2,6 +2,9 @@
 // Disk: x^2 + y^2 <= radius^2 in its plane, rim included: a hit within the rounding bound of the
 // rim counts.
 // reads: row, packet.  gives: distance, whether it is hit, whether that is near the rim.
+FN mask flat_${cls.suffix}(__global const double *row, const packet_t *p, mask departed, const scene_t *scene,
+                       int careful, mask *doubtful, real *t_out, real *x, real *y, real *fx, real *fy);
+
 FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
                       const scene_t *scene, int careful, mask *doubtful, real *t,
                       mask *edge) {

@@ -78,3 +78,38 @@ FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask de
     *t_out = t;
     return ok & p->alive;
 }
+
+// The hit point put back onto the sphere, and the normal, for the lanes in m.
+FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t *h, mask m, contact_t *c) {
+    if (!ANY(m)) return;
+% if cls.single:
+    __global const double *one = scene->geometry + ROW * ELEMENT_OF(scene->codes[scene->codes[${cls.number}]]);
+    const real cx = splat(one[0]), cy = splat(one[1]), cz = splat(one[2]);
+    const real k2 = splat(one[4]), k = splat(one[5]);
+% else:
+    const lint row = SEL(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
+    const real cx = gather(scene->geometry, row), cy = gather(scene->geometry + 1, row);
+    const real cz = gather(scene->geometry + 2, row);
+    const real k2 = gather(scene->geometry + 4, row), k = gather(scene->geometry + 5, row);
+% endif
+    real fx = c->x - cx, fy = c->y - cy, fz = c->z - cz;
+    // two Newton steps bring |f| to R from any error that leaves a hit meaningful
+    const real g1 = fma(splat(-0.5) * k2, dot3(fx, fy, fz, fx, fy, fz), splat(1.5));
+    fx *= g1; fy *= g1; fz *= g1;
+    const real g2 = fma(splat(-0.5) * k2, dot3(fx, fy, fz, fx, fy, fz), splat(1.5));
+    fx *= g2; fy *= g2; fz *= g2;
+    c->x = SEL(m, cx + fx, c->x); c->y = SEL(m, cy + fy, c->y); c->z = SEL(m, cz + fz, c->z);
+    c->nx = SEL(m, fx * k, c->nx); c->ny = SEL(m, fy * k, c->ny); c->nz = SEL(m, fz * k, c->nz);
+    // a chord inside ends on the inside, whatever the rounding of d.n says
+    c->from_minus |= m & EQ(p->left >> 2, h->code) & EQ(p->left & 2L, lsplat(0L));
+}
+
+// The outward normal at a point on it, for the lanes in m.
+FN void normal_${cls.suffix}(const scene_t *scene, lint code, mask m, real x, real y, real z,
+                         real *nx, real *ny, real *nz) {
+    const lint row = SEL(m, ELEMENT_OF(code) * ROW, lsplat(0L));
+    const real k = gather(scene->geometry + 5, row);
+    *nx = SEL(m, (x - gather(scene->geometry, row)) * k, *nx);
+    *ny = SEL(m, (y - gather(scene->geometry + 1, row)) * k, *ny);
+    *nz = SEL(m, (z - gather(scene->geometry + 2, row)) * k, *nz);
+}

@@ -2,26 +2,9 @@
 // The outward unit normal of the face `code` at a point on it, for each lane in m.
 FN void face_normal(const scene_t *scene, lint code, mask m, real x, real y, real z,
                     real *nx, real *ny, real *nz) {
-    const lint row = SEL(m, ELEMENT_OF(code) * ROW, lsplat(0L));
     *nx = splat(0.0); *ny = splat(0.0); *nz = splat(0.0);
 % for cls in classes:
-    {
-        const mask k = m & EQ(CLASS_OF(code), lsplat(${cls.number}L));
-        if (ANY(k)) {
-% if cls.flat and cls.axis is not None:
-            *n${"xyz"[cls.axis]} = SEL(k, AXIS_SIGN(code), *n${"xyz"[cls.axis]});
-% elif cls.flat:
-            *nx = SEL(k, gather(scene->geometry + ROW_FRAME + 6, row), *nx);
-            *ny = SEL(k, gather(scene->geometry + ROW_FRAME + 7, row), *ny);
-            *nz = SEL(k, gather(scene->geometry + ROW_FRAME + 8, row), *nz);
-% else:
-            const real r = gather(scene->geometry + 5, row);
-            *nx = SEL(k, (x - gather(scene->geometry, row)) * r, *nx);
-            *ny = SEL(k, (y - gather(scene->geometry + 1, row)) * r, *ny);
-            *nz = SEL(k, (z - gather(scene->geometry + 2, row)) * r, *nz);
-% endif
-        }
-    }
+    normal_${cls.suffix}(scene, code, m & EQ(CLASS_OF(code), lsplat(${cls.number}L)), x, y, z, nx, ny, nz);
 % endfor
 }
 

@@ -50,3 +50,64 @@ FN mask flat_${cls.suffix}(__global const double *row, const packet_t *p, mask d
     }
     return ok;
 }
+
+// The hit point put back onto the face, and the normal, for the lanes in m.
+FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t *h, mask m, contact_t *c) {
+% if a is None:
+    if (!ANY(m)) return;
+% endif
+    const lint row = SEL(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
+% if a is not None:
+<% a0, a1, a2 = (names[(a + k) % 3] for k in range(3)) %>
+    c->${a0} = SEL(m, h->plane, c->${a0});
+    c->n${a0} = SEL(m, AXIS_SIGN(h->code), c->n${a0});
+    const mask edge = m & h->edge;
+    if (ANY(edge)) {
+        const real c1 = gather(scene->geometry + ${(a + 1) % 3}, row);
+        const real c2 = gather(scene->geometry + ${(a + 2) % 3}, row);
+        real k1 = c->${a1} - c1, k2 = c->${a2} - c2;
+        const mask moved = clamp_${cls.suffix}(scene, row, edge, &k1, &k2);
+        c->${a1} = SEL(moved, c1 + k1, c->${a1});
+        c->${a2} = SEL(moved, c2 + k2, c->${a2});
+    }
+% else:
+    const real cx = gather(scene->geometry, row), cy = gather(scene->geometry + 1, row);
+    const real cz = gather(scene->geometry + 2, row);
+    const real wx = gather(scene->geometry + ROW_FRAME + 6, row);
+    const real wy = gather(scene->geometry + ROW_FRAME + 7, row);
+    const real wz = gather(scene->geometry + ROW_FRAME + 8, row);
+    const real off = dot3(c->x - cx, c->y - cy, c->z - cz, wx, wy, wz);
+    c->x = SEL(m, fma(-off, wx, c->x), c->x);
+    c->y = SEL(m, fma(-off, wy, c->y), c->y);
+    c->z = SEL(m, fma(-off, wz, c->z), c->z);
+    c->nx = SEL(m, wx, c->nx); c->ny = SEL(m, wy, c->ny); c->nz = SEL(m, wz, c->nz);
+    const mask edge = m & h->edge;
+    if (ANY(edge)) {
+        const real ux = gather(scene->geometry + ROW_FRAME, row);
+        const real uy = gather(scene->geometry + ROW_FRAME + 1, row);
+        const real uz = gather(scene->geometry + ROW_FRAME + 2, row);
+        const real vx = gather(scene->geometry + ROW_FRAME + 3, row);
+        const real vy = gather(scene->geometry + ROW_FRAME + 4, row);
+        const real vz = gather(scene->geometry + ROW_FRAME + 5, row);
+        real k1 = dot3(c->x - cx, c->y - cy, c->z - cz, ux, uy, uz);
+        real k2 = dot3(c->x - cx, c->y - cy, c->z - cz, vx, vy, vz);
+        const mask moved = clamp_${cls.suffix}(scene, row, edge, &k1, &k2);
+        c->x = SEL(moved, cx + fma(k1, ux, k2 * vx), c->x);
+        c->y = SEL(moved, cy + fma(k1, uy, k2 * vy), c->y);
+        c->z = SEL(moved, cz + fma(k1, uz, k2 * vz), c->z);
+    }
+% endif
+}
+
+// The outward normal, for the lanes in m.
+FN void normal_${cls.suffix}(const scene_t *scene, lint code, mask m, real x, real y, real z,
+                         real *nx, real *ny, real *nz) {
+% if a is not None:
+    *n${names[a]} = SEL(m, AXIS_SIGN(code), *n${names[a]});
+% else:
+    const lint row = SEL(m, ELEMENT_OF(code) * ROW, lsplat(0L));
+    *nx = SEL(m, gather(scene->geometry + ROW_FRAME + 6, row), *nx);
+    *ny = SEL(m, gather(scene->geometry + ROW_FRAME + 7, row), *ny);
+    *nz = SEL(m, gather(scene->geometry + ROW_FRAME + 8, row), *nz);
+% endif
+}

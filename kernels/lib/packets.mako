@@ -43,6 +43,7 @@ typedef struct {
 typedef struct {
     real x, y, z, nx, ny, nz;
     mask came_plus;
+    mask from_minus;  // came from the - side whatever the rounding of d.n says
 } contact_t;
 
 // Columns of an element's row in the geometry table.
@@ -61,3 +62,6 @@ FN luint path_of(const packet_t *p) {
     return (luint)(1UL);
 % endif
 }
+
+// In faces.mako; the elements' functions call it.
+FN mask crosses(const scene_t *scene, const packet_t *p, real nx, real ny, real nz, real d_n, real h_d);
