@@ -147,6 +147,8 @@ class ProgramSpec:
         if {"shares", "roulette"} <= self.effects:
             real.append("launched")
         long = ["left"]
+        if "contact" in self.effects:
+            long.append("before")
         if "splitting" in self.effects:
             long.append("path")
         word = ("ray_lo", "ray_hi", "generation")

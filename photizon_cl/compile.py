@@ -11,6 +11,7 @@ import numpy as np
 from hostcode.program import MAX_REGISTER_ELEMENTS, ProgramSpec, SourceKind
 from hostcode.tables import DeviceTables
 from hostcode.tally import image
+from photizon_cl.contact import in_contact
 from photizon_cl.edges import azimuth_edges, even_edges
 from photizon_cl.errors import RunError
 from photizon_cl.layout import DetectorCells, TallyLayout, lay_out
@@ -167,7 +168,7 @@ def compile_scene(
 # -- effects -------------------------------------------------------------------------------------
 
 _COMPILED: Final = frozenset(
-    {"splitting", "roulette", "shares", "detector", "map", "ladder", "far-field"}
+    {"splitting", "roulette", "shares", "detector", "map", "ladder", "far-field", "contact"}
 )
 """Effects that the kernels' text asks for by name; the others show in classes and kinds."""
 
@@ -190,6 +191,8 @@ def _effects(scene: Scene, settings: RunSettings, weights: list[float]) -> set[s
                 used.add("ladder")
     if any(getattr(s, "tilt_deg", (0.0, 0.0)) != (0.0, 0.0) for s in scene.source):
         used.add("tilt")
+    if in_contact(scene.element):
+        used.add("contact")
     if scene.far_field is not None:
         used.add("far-field")
     if settings.roulette_floor > 0.0:

@@ -2,14 +2,14 @@
 // Disk: x^2 + y^2 <= radius^2 in its plane, rim included: a hit within the rounding bound of the
 // rim counts.
 // reads: row, packet.  gives: distance, whether it is hit, whether that is near the rim.
-FN mask flat_${cls.suffix}(__global const double *row, const packet_t *p, mask departed, const scene_t *scene,
+FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed, const scene_t *scene,
                        int careful, mask *doubtful, real *t_out, real *x, real *y, real *fx, real *fy);
 
-FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
+FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
                       const scene_t *scene, int careful, mask *doubtful, real *t,
                       mask *edge) {
     real x, y, fx, fy;
-    const mask on = flat_${cls.suffix}(row, p, departed, scene, careful, doubtful, t, &x, &y, &fx, &fy);
+    const mask on = flat_${cls.suffix}(row, code, p, departed, scene, careful, doubtful, t, &x, &y, &fx, &fy);
     const real bound = fma(fx + fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[3]));
     const real r2 = fma(x, x, y * y);
     const mask ok = on & LE(r2, bound * bound);

@@ -25,7 +25,7 @@ FN mask in_port_${cls.suffix}(__global const double *row, real fx, real fy, real
 }
 % endif
 
-FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
+FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
                       const scene_t *scene, int careful, mask *doubtful, real *t_out,
                       mask *edge) {
     const real fx = p->ox - row[0], fy = p->oy - row[1], fz = p->oz - row[2];
@@ -58,7 +58,7 @@ FN mask hit_${cls.suffix}(__global const double *row, const packet_t *p, mask de
         *doubtful |= on_surface;
         if (careful && ANY(on_surface)) {
             const real k = splat(row[5]);
-            const mask cross = crosses(scene, p, fx * k, fy * k, fz * k, -b, splat(0.0));
+            const mask cross = crosses(scene, p, code, fx * k, fy * k, fz * k, -b, splat(0.0));
             const real chord = 2.0 * b;
             t1 = SEL(on_surface, splat(0.0), t1);
             ok1 = SEL(on_surface, cross, ok1);

@@ -1,4 +1,4 @@
-## classes: every element class of the program
+## classes: every element class of the program; effects
 // The outward unit normal of the face `code` at a point on it, for each lane in m.
 FN void face_normal(const scene_t *scene, lint code, mask m, real x, real y, real z,
                     real *nx, real *ny, real *nz) {
@@ -8,18 +8,25 @@ FN void face_normal(const scene_t *scene, lint code, mask m, real x, real y, rea
 % endfor
 }
 
-// A ray starts on another face, within rounding, whose normal there is n: is that face hit at
-// distance zero?  A launched ray leaves every face it starts on.  Where the face just left is
-// parallel (faces in contact), the ray hits this one only if it goes through to the other side
-// than it came from; else the sign of the distance decides (an edge).
-FN mask crosses(const scene_t *scene, const packet_t *p, real nx, real ny, real nz,
+// A ray starts within rounding on another face, `code`, whose normal there is n: is that face hit at
+// distance zero?
+// - A launched ray leaves every face it starts on.
+// - Where the face just left is parallel (faces in contact), the ray hits this one only if it goes
+//   through to the other side of it than it is on: the side it was on when it came to the face just
+//   left, or, where it came there from this very face without moving, the side it then was on.
+// - Elsewhere (an edge) the sign of the distance decides.
+FN mask crosses(const scene_t *scene, const packet_t *p, long code, real nx, real ny, real nz,
                 real d_n, real h_d) {
     const mask launched = EQ(p->left, lsplat(NO_FACE));
     real mx, my, mz;
     face_normal(scene, p->left >> 2, p->alive & ~launched, p->ox, p->oy, p->oz, &mx, &my, &mz);
     const real parallel = dot3(nx, ny, nz, mx, my, mz);
     const mask contact = GE(fabs(parallel), splat(1.0 - 0x1p-20));
-    const mask came_from_minus = LT(parallel, splat(0.0)) ^ EQ(p->left & 1L, lsplat(0L));
+    mask on_minus = LT(parallel, splat(0.0)) ^ EQ(p->left & 1L, lsplat(0L));
+% if "contact" in effects:
+    const mask from_here = EQ(p->before >> 2, lsplat(code));
+    on_minus = SEL(from_here, EQ(p->before & 2L, lsplat(0L)), on_minus);
+% endif
     const mask goes_minus = LT(d_n, splat(0.0));
-    return ~launched & SEL(contact, came_from_minus ^ goes_minus, LE(h_d, splat(0.0)));
+    return ~launched & SEL(contact, on_minus ^ goes_minus, LE(h_d, splat(0.0)));
 }

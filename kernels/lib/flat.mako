@@ -9,7 +9,7 @@
 //
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
 // rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.
-FN mask flat_${cls.suffix}(__global const double *row, const packet_t *p, mask departed,
+FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
                        const scene_t *scene, int careful, mask *doubtful, real *t_out, real *x, real *y, real *fx, real *fy) {
 % if a is None:
     const real vx = p->ox - row[0], vy = p->oy - row[1], vz = p->oz - row[2];
@@ -46,7 +46,7 @@ FN mask flat_${cls.suffix}(__global const double *row, const packet_t *p, mask d
 % else:
         const real n${names[a]} = sign, n${names[a1]} = splat(0.0), n${names[a2]} = splat(0.0);
 % endif
-        ok &= ~on_plane | crosses(scene, p, nx, ny, nz, dh * sign, h * dh);
+        ok &= ~on_plane | crosses(scene, p, code, nx, ny, nz, dh * sign, h * dh);
     }
     return ok;
 }

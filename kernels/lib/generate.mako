@@ -34,6 +34,9 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
     p->dx = SEL(m, dx, p->dx); p->dy = SEL(m, dy, p->dy); p->dz = SEL(m, dz, p->dz);
     p->w = SEL(m, w, p->w);
     p->left = SEL(m, lsplat(NO_FACE), p->left);
+% if "contact" in effects:
+    p->before = SEL(m, lsplat(NO_FACE), p->before);
+% endif
     p->ray_lo = SELW(m, lo, p->ray_lo);
     p->ray_hi = SELW(m, hi, p->ray_hi);
     p->generation = SELW(m, born, p->generation);

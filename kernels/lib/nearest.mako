@@ -20,7 +20,7 @@ FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
             __global const double *row = scene->geometry + ELEMENT_OF(code) * ROW;
             real t;
             mask edge = lsplat(0L);
-            const mask ok = hit_${cls.suffix}(row, p, EQ(left, lsplat(code)), scene, careful, &doubtful, &t, &edge);
+            const mask ok = hit_${cls.suffix}(row, code, p, EQ(left, lsplat(code)), scene, careful, &doubtful, &t, &edge);
             const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & LT(lsplat(code), h->code)));
             h->t = SEL(closer, t, h->t);
             h->code = SEL(closer, lsplat(code), h->code);

@@ -7,9 +7,13 @@ ${item_struct}
 // A ray in every lane.  Weights are relative to the heaviest launched ray of the scene.
 // left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
 // or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
+// before: what it left before that, where the last segment had no length (faces in contact).
 typedef struct {
     real ox, oy, oz, dx, dy, dz, w;
     lint left;
+% if "contact" in effects:
+    lint before;
+% endif
     word ray_lo, ray_hi, generation;
 % if "splitting" in effects:
     luint path;
@@ -64,4 +68,4 @@ FN luint path_of(const packet_t *p) {
 }
 
 // In faces.mako; the elements' functions call it.
-FN mask crosses(const scene_t *scene, const packet_t *p, real nx, real ny, real nz, real d_n, real h_d);
+FN mask crosses(const scene_t *scene, const packet_t *p, long code, real nx, real ny, real nz, real d_n, real h_d);

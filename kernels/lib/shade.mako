@@ -97,6 +97,9 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 
     const lint face = (h->code << 2) | (c.came_plus & 1L);
     p->generation += 1u;
+% if "contact" in effects:
+    p->before = SEL(EQ(h->t, splat(0.0)), p->left, lsplat(NO_FACE));
+% endif
 % if "splitting" in effects:
     *child = *p;
     child->alive = splits;

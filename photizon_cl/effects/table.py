@@ -83,6 +83,11 @@ _ROWS: Final = (
         "elements or sources that are turned off the axes",
         "a full matrix instead of a permutation",
     ),
+    Effect(
+        "contact",
+        "elements that touch face to face: which side of each a ray is on between them",
+        "one word more a ray",
+    ),
     Effect("port", "spheres with an opening", "a test of each root of a sphere"),
     Effect(
         "far-field",
