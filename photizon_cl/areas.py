@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,9 +46,7 @@ def bin_areas(element: Element, nx: int, ny: int) -> NDArray[np.float64]:
     raise TypeError(f"no map on a {element.kind}")
 
 
-def rectangle_areas(
-    half_width: float, half_height: float, nx: int, ny: int
-) -> NDArray[np.float64]:
+def rectangle_areas(half_width: float, half_height: float, nx: int, ny: int) -> NDArray[np.float64]:
     """Return the areas of nx × ny equal bins of a rectangle, shape (ny, nx), in m²."""
     return np.full((ny, nx), (2.0 * half_width / nx) * (2.0 * half_height / ny))
 
@@ -59,7 +58,7 @@ def sphere_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArr
     """
     rim = 1 - 2 * Fraction(port_fraction)
     edges = [Fraction(2 * j - ny, ny) for j in range(ny + 1)]
-    heights = [float(max(min(b, rim) - a, Fraction(0))) for a, b in zip(edges, edges[1:], strict=False)]
+    heights = [float(max(min(b, rim) - a, Fraction(0))) for a, b in pairwise(edges)]
     rows = np.array(heights) * (2.0 * math.pi / nx * radius * radius)
     return np.repeat(rows[:, np.newaxis], nx, axis=1)
 
@@ -78,11 +77,17 @@ def disk_areas(radius: float, nx: int, ny: int) -> NDArray[np.float64]:
     y0, y1, my = _folded(ny)
     quadrant = _quadrant_areas(x0[np.newaxis], x1[np.newaxis], y0[:, np.newaxis], y1[:, np.newaxis])
     areas: NDArray[np.float64] = quadrant * (mx[np.newaxis] * my[:, np.newaxis] * radius * radius)
-    # Whether a bin lies outside is decided in integers: a corner may stand exactly on the circle.
-    inner_x, inner_y = np.rint(x0 * nx).astype(np.int64), np.rint(y0 * ny).astype(np.int64)
-    across = (inner_x * ny)[np.newaxis] ** 2 + (inner_y * nx)[:, np.newaxis] ** 2
-    areas[across >= (nx * ny) ** 2] = 0.0
+    # Which bins lie wholly outside or inside is decided in integers, since a corner may stand
+    # exactly on the circle; whole bins are equal.
+    areas[_corners(x0, y0, nx, ny) >= (nx * ny) ** 2] = 0.0
+    areas[_corners(x1, y1, nx, ny) <= (nx * ny) ** 2] = (2.0 * radius / nx) * (2.0 * radius / ny)
     return areas
+
+
+def _corners(x: NDArray[np.float64], y: NDArray[np.float64], nx: int, ny: int) -> NDArray[np.int64]:
+    """Return (nx·ny)² times the squared distances of corners from the centre, exactly."""
+    i, j = np.rint(x * nx).astype(np.int64) * ny, np.rint(y * ny).astype(np.int64) * nx
+    return np.asarray(i[np.newaxis] ** 2 + j[:, np.newaxis] ** 2, dtype=np.int64)
 
 
 def _folded(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -125,7 +130,7 @@ def _height(x: NDArray[np.float64]) -> NDArray[np.float64]:
 def _less_sine(angle: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return angle − sin(angle) for 0 ≤ angle ≤ π/2 without cancellation."""
     square = angle * angle
-    series = 1.0
+    series = np.ones_like(angle)
     for k in (17, 15, 13, 11, 9, 7, 5):
         series = 1.0 - square / ((k - 1) * k) * series
     small = angle * square / 6.0 * series

@@ -31,7 +31,16 @@ if TYPE_CHECKING:
 
     from hostcode.tables import DeviceTables
 
-__all__ = ["Chunk", "Executed", "Local", "Runner", "Task", "open_chosen", "run_task"]
+__all__ = [
+    "Chunk",
+    "Executed",
+    "Local",
+    "Runner",
+    "Task",
+    "device_failures",
+    "open_chosen",
+    "run_task",
+]
 
 _KEPT_ENGINES: Final = 2
 """Engines that a worker keeps: enough for two traces that take turns."""
@@ -172,12 +181,12 @@ def make_engine(
     opened = open_chosen(device)
     if plan is None:
         plan = default_plan(opened.record, preferred_lanes(opened.record))
-    with _failures(opened.record.label):
+    with device_failures(opened.record.label):
         return Engine(opened, tables, plan)
 
 
 @contextmanager
-def _failures(label: str) -> Iterator[None]:
+def device_failures(label: str) -> Iterator[None]:
     """Turn what a device can raise into a RunError that names the device."""
     import pyopencl as cl
 
@@ -235,7 +244,7 @@ class Local:
 def _compute(engine: Engine, first: int, n: int) -> Chunk:
     label = engine.device.record.label
     before = engine.statistics.interactions
-    with _failures(label):
+    with device_failures(label):
         cells = tuple(tally.cells for tally in engine.run(first, n))
     made = engine.statistics.interactions - before
     return Chunk(first, cells, made, label, engine.program.build_seconds)

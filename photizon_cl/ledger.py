@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from photizon_cl.compile import CompiledScene, TallyLayout
+    from photizon_cl.compile import CompiledScene
+    from photizon_cl.layout import TallyLayout
     from photizon_cl.statistics import Accumulator
 
 __all__ = ["CLOSURE_LIMIT", "Estimate", "Ledger", "Roulette", "check_batch"]
@@ -215,8 +216,8 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -
         if bins != totals[layout.escaped]:
             part = float(Fraction(bins - totals[layout.escaped], compiled.emitted))
             raise RunError(
-                f"batch {batch}: the far field's total is not what escaped (it differs by {part:.3e} "
-                f"of the emitted power): {_DEFECT}"
+                f"batch {batch}: the far field's total is not what escaped (it differs by "
+                f"{part:.3e} of the emitted power): {_DEFECT}"
             )
     for d in layout.detectors:
         (power,) = exact(cells[d.power : d.power + 1])

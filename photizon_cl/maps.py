@@ -6,16 +6,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from photizon_cl.areas import bin_areas
 from photizon_cl.elements import Sphere
+from photizon_cl.elements.flat import Flat
 from photizon_cl.ledger import Estimate, watts
 from photizon_cl.statistics import LIT_COUNT
 
 if TYPE_CHECKING:
-    from photizon_cl.compile import CompiledScene, DetectorCells
+    from numpy.typing import NDArray
+
+    from photizon_cl.compile import CompiledScene
     from photizon_cl.elements import Element
+    from photizon_cl.layout import DetectorCells
     from photizon_cl.settings import FarField
     from photizon_cl.statistics import Accumulator
 
@@ -87,7 +90,7 @@ class IrradianceMap:
     @property
     def masked(self) -> NDArray[np.bool_]:
         """Bins without any area, shape (ny, nx)."""
-        return self.area == 0.0
+        return np.equal(self.area, 0.0)
 
     @property
     def hatched(self) -> NDArray[np.bool_]:
@@ -110,9 +113,7 @@ class IrradianceMap:
         return {"nx": nx, "ny": ny, "hatched_below": LIT_COUNT}
 
     @classmethod
-    def of(
-        cls, compiled: CompiledScene, tally: Accumulator, d: DetectorCells
-    ) -> IrradianceMap:
+    def of(cls, compiled: CompiledScene, tally: Accumulator, d: DetectorCells) -> IrradianceMap:
         """Return the map of a detector that has one."""
         element = compiled.scene.element[d.element]
         shape = (d.ny, d.nx)
@@ -136,8 +137,8 @@ def _axes(
     i, j = np.arange(nx + 1), np.arange(ny + 1)
     if isinstance(element, Sphere):
         return 2.0 * np.pi * i / nx, (2 * j - ny) / ny, "phi", "cos_theta", "rad", "1"
-    half = element.half_sizes
-    u, v = (half[0], half[-1])
+    assert isinstance(element, Flat)
+    u, v = element.half_sizes
     return u * ((2 * i - nx) / nx), v * ((2 * j - ny) / ny), "u", "v", "m", "m"
 
 
@@ -169,9 +170,7 @@ class DetectorResult:
         return out
 
     @classmethod
-    def of(
-        cls, compiled: CompiledScene, tally: Accumulator, d: DetectorCells
-    ) -> DetectorResult:
+    def of(cls, compiled: CompiledScene, tally: Accumulator, d: DetectorCells) -> DetectorResult:
         """Return what a detector shows after the batches of `tally`."""
 
         def estimates(first: int, n: int) -> list[Estimate]:
@@ -227,9 +226,7 @@ class FarFieldResult:
         return self.count < LIT_COUNT
 
     @classmethod
-    def of(
-        cls, compiled: CompiledScene, tally: Accumulator, settings: FarField
-    ) -> FarFieldResult:
+    def of(cls, compiled: CompiledScene, tally: Accumulator, settings: FarField) -> FarFieldResult:
         """Return the far field after the batches of `tally`."""
         first = compiled.layout.far_field
         n_mu, n_phi = settings.n_mu, settings.n_phi

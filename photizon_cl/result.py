@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
@@ -58,7 +58,7 @@ class RunInfo:
     seconds: float = 0.0
     build_seconds: float = 0.0
     worst_closure: int = 0
-    goal: Goal = Goal()
+    goal: Goal = field(default_factory=Goal)
 
 
 class Result:

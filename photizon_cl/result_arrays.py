@@ -110,11 +110,14 @@ def _sigma_or_nan(sigma: float | None) -> float:
     return float("nan") if sigma is None else sigma
 
 
-def _axis(name: str, edges: Any, units: str, text: str, coordinates: Variables) -> str:
-    """Add centres and edges of bins as coordinates and return the dimension."""
+def _axis(
+    name: str, edges: Any, units: str, text: str, variables: Variables, coordinates: Variables
+) -> str:
+    """Add the centres of bins as a coordinate, and their edges; return the dimension."""
     attrs = {"units": units, "long_name": text}
     coordinates[name] = ((name,), 0.5 * (edges[:-1] + edges[1:]), {**attrs, "bin": "centre"})
-    coordinates[f"{name}_edges"] = ((f"{name}_edge",), edges, {**attrs, "bin": "edges"})
+    # A variable, since a coordinate off its own dimension may have no space in its name.
+    variables[f"{name}_edges"] = ((f"{name}_edge",), edges, {**attrs, "bin": "edges"})
     return name
 
 
@@ -129,8 +132,12 @@ _AXIS_TEXT: Final = {
 def _map(
     at: str, about: dict[str, str], m: IrradianceMap, variables: Variables, coordinates: Variables
 ) -> None:
-    y = _axis(f"{at}.{m.y_name}", m.y_edges, m.y_units, _AXIS_TEXT[m.y_name], coordinates)
-    x = _axis(f"{at}.{m.x_name}", m.x_edges, m.x_units, _AXIS_TEXT[m.x_name], coordinates)
+    y = _axis(
+        f"{at}.{m.y_name}", m.y_edges, m.y_units, _AXIS_TEXT[m.y_name], variables, coordinates
+    )
+    x = _axis(
+        f"{at}.{m.x_name}", m.x_edges, m.x_units, _AXIS_TEXT[m.x_name], variables, coordinates
+    )
     dims = (y, x)
     text = "irradiance, power over the exact area of the bin; NaN where it has none"
     flux = {**about, "units": "W m-2"}
@@ -145,9 +152,9 @@ def _map(
 
 def _far_field(far: FarFieldResult, variables: Variables, coordinates: Variables) -> None:
     text = "cosine of the angle from world +z"
-    mu = _axis("far_field.mu", far.mu_edges, "1", text, coordinates)
+    mu = _axis("far_field.mu", far.mu_edges, "1", text, variables, coordinates)
     text = "azimuth from world +x towards +y"
-    phi = _axis("far_field.phi", far.phi_edges, "rad", text, coordinates)
+    phi = _axis("far_field.phi", far.phi_edges, "rad", text, variables, coordinates)
     dims = (mu, phi)
     units = {"units": "W sr-1"}
     variables["far_field.intensity"] = (dims, far.intensity, {**units, "long_name": "intensity"})

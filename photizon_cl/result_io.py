@@ -160,7 +160,7 @@ def _tally_dataset(result: Result) -> xr.Dataset:
             "m2": (("quantity",), state.m2, {"long_name": "sum of squared deviations (Welford)"}),
         },
         attrs={
-            "description": "exact tallies in launched weights; limbs are of 2^1, 2^-31, 2^-63, 2^-95",
+            "description": "in launched weights; limbs are of 2^1, 2^-31, 2^-63, 2^-95",
             "batches": state.batches,
             "digest": state.digest.hex(),
             "device": info.device,
@@ -199,7 +199,14 @@ def open_result(path: str | os.PathLike[str]) -> Result:
         return _read(file)
     except ResultError:
         raise
-    except (OSError, ValueError, KeyError, TypeError, PhotizonError, tomllib.TOMLDecodeError) as error:
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        PhotizonError,
+        tomllib.TOMLDecodeError,
+    ) as error:
         raise ResultError(
             f"{shown} is damaged or not a photizon result: {' '.join(str(error).split())}"
         ) from error
@@ -220,9 +227,7 @@ def _read(file: Path) -> Result:
         attrs = dict(group.attrs)
     compiled = compile_scene(scene, scene.run)
     layout = compiled.layout
-    state = AccumulatorState(
-        int(attrs["batches"]), **arrays, digest=bytes.fromhex(attrs["digest"])
-    )
+    state = AccumulatorState(int(attrs["batches"]), **arrays, digest=bytes.fromhex(attrs["digest"]))
     if len(state.count) != layout.n_cells:
         raise ValueError(f"{len(state.count)} cells, and its scene has {layout.n_cells}")
     tally = Accumulator.restore(state, [(layout.killed, layout.boosted)])

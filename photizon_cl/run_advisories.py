@@ -58,9 +58,8 @@ def _dark_detectors(result: Result) -> Iterator[str]:
 
 def _turn(element: Element) -> str:
     if element.flat:
-        sign, axis = element.axis
-        other = "-" if sign == "+" else "+"
-        return f'turn its axis from "{sign}{axis}" to "{other}{axis}"'
+        other = ("-" if element.axis[0] == "+" else "+") + element.axis[1]
+        return f'turn its axis from "{element.axis}" to "{other}"'
     side = element.detector_side or element.default_side
     return f'set its side to "{_OTHER_SIDE[side]}" (it is "{side}")'
 

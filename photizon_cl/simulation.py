@@ -12,7 +12,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from hostcode.device import DeviceRecord
 from photizon_cl.compile import MAX_RAY_NUMBER, CompiledScene, compile_scene
 from photizon_cl.distribution import Executed, Local, Runner
 from photizon_cl.errors import ArgumentError, SceneError, show
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
     from concurrent.futures import Executor
 
+    from hostcode.device import DeviceRecord
     from hostcode.plan import ExecutionPlan
     from photizon_cl.scene import Scene
 
@@ -86,12 +86,12 @@ def trace(
 ) -> Result:
     """Trace a scene and return power, irradiance and intensity with their standard errors.
 
-    Stops at `target` or, where only `batches` is given, after exactly so many batches; with both, at
-    whichever comes first. Without either, the scene's own target holds. A target counts from the
-    eighth batch on, and is asked for behind every batch in order, so the number of batches alone
-    fixes every bit of the result. A run towards a target also ends at `max_seconds` (by default
-    the scene's); one of a fixed number of batches only where `max_seconds` is given. Ctrl-C ends
-    the run with what is there, a second Ctrl-C at once.
+    Stops at `target` or, where only `batches` is given, after exactly so many batches; with both,
+    at whichever comes first. Without either, the scene's own target holds. A target counts from
+    the eighth batch on, and is asked for behind every batch in order, so the number of batches
+    alone fixes every bit of the result. A run towards a target also ends at `max_seconds` (by
+    default the scene's); one of a fixed number of batches only where `max_seconds` is given. Ctrl-C
+    ends the run with what is there, a second Ctrl-C at once.
 
     Parameters
     ----------
@@ -143,6 +143,11 @@ def trace(
         rays_per_batch=rays_per_batch,
     )
     goal = _goal(as_run, batches, target, max_seconds)
+    if as_run.run.rays_per_batch < len(as_run.source):
+        raise ArgumentError(
+            f"rays_per_batch: found {as_run.run.rays_per_batch}, expected at least "
+            f"{len(as_run.source)}, one for each source"
+        )
     compiled = compile_scene(as_run, as_run.run)
     layout = compiled.layout
     tally = Accumulator(layout.n_cells, [(layout.killed, layout.boosted)])
@@ -191,7 +196,8 @@ def _as_run(scene: Scene, **settings: Any) -> Scene:
     try:
         return dataclasses.replace(scene, run=dataclasses.replace(scene.run, **given))
     except SceneError as error:
-        raise ArgumentError(str(error)) from None
+        lines = [str(dataclasses.replace(problem, owner="")) for problem in error.problems]
+        raise ArgumentError("\n".join(lines)) from None
 
 
 def _check_seconds(scene: Scene, max_seconds: float) -> None:

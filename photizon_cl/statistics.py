@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hostcode.tally import CELL, UNIT_EXPONENT, canonical, values
 from photizon_cl.errors import RunError
@@ -21,7 +20,9 @@ from photizon_cl.errors import RunError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from photizon_cl.compile import TallyLayout
+    from numpy.typing import NDArray
+
+    from photizon_cl.layout import TallyLayout
 
 __all__ = ["LIT_COUNT", "Accumulator", "AccumulatorState", "complete", "exact_sum"]
 
@@ -172,8 +173,10 @@ class Accumulator:
         if not self.differences:
             return x
         pairs = np.array(self.differences)
-        difference = cells[pairs[:, 0]] - cells[pairs[:, 1]]
-        return np.concatenate([x, values(canonical(difference))])
+        difference = canonical(cells[pairs[:, 0]] - cells[pairs[:, 1]])
+        # The canonical form of a small negative number would round away: take its magnitude.
+        sign = np.where(difference[:, 0] < 0, np.int64(-1), np.int64(1))
+        return np.concatenate([x, sign * values(canonical(difference * sign[:, np.newaxis]))])
 
     def copy(self) -> Accumulator:
         """Return an independent copy."""
@@ -233,7 +236,9 @@ class Accumulator:
         return total
 
     def mean(self, first: int = 0, n: int | None = None) -> NDArray[np.float64]:
-        """Return the mean over batches of cells, in launched weights, within 2 units in the last place.
+        """Return the mean over batches of cells, in launched weights.
+
+        From the exact totals, rounded to two units in the last place at most.
 
         Parameters
         ----------

@@ -10,7 +10,7 @@ import numpy as np
 from photizon_cl.statistics import LIT_COUNT
 
 if TYPE_CHECKING:
-    from photizon_cl.compile import TallyLayout
+    from photizon_cl.layout import TallyLayout
     from photizon_cl.statistics import Accumulator
 
 __all__ = ["LEAST_BATCHES", "Goal", "achieved_sigma"]
@@ -67,5 +67,7 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
     error = np.concatenate([tally.standard_error(*r) for r in ranges])
     known = mean > 0.0
     if maps:
-        known &= np.concatenate([tally.count[first : first + n] for first, n in ranges]) >= LIT_COUNT
+        known &= (
+            np.concatenate([tally.count[first : first + n] for first, n in ranges]) >= LIT_COUNT
+        )
     return float(np.median(error[known] / mean[known])) if known.any() else None

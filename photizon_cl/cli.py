@@ -1,0 +1,158 @@
+"""The command line: ``photizon VERB …``.
+
+Exit status 0 success, 1 a run failed, 2 bad input. What the person asked for goes to standard
+output, everything else to standard error; bad input gives messages, never a traceback.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from typing import TYPE_CHECKING, Any, Final, NoReturn
+
+from photizon_cl import __version__
+from photizon_cl.errors import PhotizonError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+__all__ = ["main"]
+
+_DESCRIPTION: Final = (
+    "Non-sequential Monte-Carlo ray tracing for illumination and stray light: power, irradiance "
+    "and intensity with error bars."
+)
+_SCENE: Final = "a preset's name, or a scene file (.toml or .json)"
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line and the exit status of bad input."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="photizon", description=_DESCRIPTION, allow_abbrev=False)
+    parser.add_argument("--version", action="version", version=f"photizon {__version__}")
+    verbs = parser.add_subparsers(metavar="VERB", required=True, dest="verb")
+
+    def verb(name: str, does: str, call: Callable[[argparse.Namespace], int]) -> Any:
+        made = verbs.add_parser(
+            name, help=does, description=does[0].upper() + does[1:] + ".", allow_abbrev=False
+        )
+        made.set_defaults(call=call)
+        return made
+
+    verb("presets", "list the presets with the anchor that each pins", _presets)
+    check = verb("check", "validate a scene, print its derived geometry and advisories", _check)
+    check.add_argument("scene", metavar="SCENE", help=_SCENE)
+    _add_run(verb("run", "trace a scene", _run))
+    verb("devices", "list every OpenCL device, whether it qualifies, and why not", _devices)
+    return parser
+
+
+def _add_run(run: argparse.ArgumentParser) -> None:
+    run.add_argument("scene", metavar="SCENE", help=_SCENE)
+    run.add_argument("--seed", type=_integer, metavar="N", help="random stream, 0 to 2^64 - 1")
+    goal = run.add_mutually_exclusive_group()
+    goal.add_argument("--batches", type=_integer, metavar="N", help="run exactly N batches")
+    goal.add_argument(
+        "--target", type=_number, metavar="S", help="stop at a median relative σ of S, in (0, 1]"
+    )
+    run.add_argument("--max-seconds", type=_number, metavar="T", help="stop after T seconds")
+    run.add_argument(
+        "--rays-per-batch", type=_integer, metavar="N", help="rays launched in a batch, up to 2^24"
+    )
+    run.add_argument(
+        "--device", metavar="D", help="number, type or part of a name, see `photizon devices`"
+    )
+    run.add_argument("--precision", default="fp64", metavar="P", help="fp64")
+    run.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
+    run.add_argument("--json", action="store_true", help="print the summary as JSON, nothing else")
+
+
+def _integer(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected an integer") from None
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a number") from None
+
+
+# Verbs import what they need: `photizon --help` and bad input answer at once.
+
+
+def _presets(arguments: argparse.Namespace) -> int:
+    from photizon_cl.cli_show import print_presets
+
+    print_presets()
+    return 0
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    from photizon_cl.cli_show import print_check
+    from photizon_cl.scene_io import load
+
+    print_check(load(arguments.scene))
+    return 0
+
+
+def _devices(arguments: argparse.Namespace) -> int:
+    from photizon_cl.cli_show import print_devices
+
+    return print_devices()
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from photizon_cl.cli_run import run
+
+    return run(arguments)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments; default those of the process.
+
+    Returns
+    -------
+    int
+        The exit status.
+    """
+    # A locale that cannot print σ or W/m² must not end a run.
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    try:
+        arguments = _parser().parse_args(argv)
+    except SystemExit as leaving:  # --help, --version, or a message that is out already
+        return leaving.code if isinstance(leaving.code, int) else 0
+    try:
+        status: int = arguments.call(arguments)
+        sys.stdout.flush()
+        return status
+    except PhotizonError as error:
+        print(str(error), file=sys.stderr)
+        return error.exit_code
+    except BrokenPipeError:
+        # The reader had enough. Python flushes at its end: give it somewhere to flush to.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

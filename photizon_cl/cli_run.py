@@ -1,0 +1,197 @@
+"""The verb ``run``: progress while it runs, then ledger, detectors and advisories."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from rich.text import Text
+
+from photizon_cl.cli_show import console, paragraph, print_table, table
+from photizon_cl.errors import ArgumentError
+from photizon_cl.figures_text import with_error
+
+if TYPE_CHECKING:
+    import argparse
+    from types import TracebackType
+
+    from rich.console import Console
+
+    from photizon_cl.ledger import Estimate
+    from photizon_cl.result import Result
+    from photizon_cl.simulation import Progress
+
+__all__ = ["print_result", "run"]
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Trace a scene as the arguments say; return the exit status."""
+    from photizon_cl.scene_io import load
+
+    scene = load(arguments.scene)  # a bad scene is told before anything heavy is imported
+    if arguments.out == "":
+        raise ArgumentError("--out: found nothing, expected a directory")
+
+    from photizon_cl.result_io import check_target
+    from photizon_cl.simulation import trace
+
+    if arguments.out is not None:
+        check_target(arguments.out)
+    with _Display(scene.title or scene.name) as display:
+        result = trace(
+            scene,
+            seed=arguments.seed,
+            batches=arguments.batches,
+            target=arguments.target,
+            max_seconds=arguments.max_seconds,
+            rays_per_batch=arguments.rays_per_batch,
+            device=arguments.device,
+            precision=arguments.precision,
+            progress=display.update,
+        )
+    # Files first: a reader that closes the pipe must not cost the result.
+    if arguments.out is not None:
+        result.save(arguments.out)
+    if arguments.json:
+        print(json.dumps(result.summary(), indent=2, ensure_ascii=True, allow_nan=False))
+        return 0
+    out = console()
+    print_result(result, out)
+    if arguments.out is not None:
+        out.print(f"\nwritten to {arguments.out}", soft_wrap=True)
+    return 0
+
+
+# -- progress ------------------------------------------------------------------------------------
+
+
+class _Display:
+    """One line on standard error that is redrawn; silent where that is no terminal."""
+
+    def __init__(self, title: str) -> None:
+        self.title = title
+        self.live: Any = None
+
+    def __enter__(self) -> _Display:
+        err = console(stderr=True)
+        if err.is_terminal:
+            from rich.live import Live
+
+            self.live = Live(
+                Text(f"{self.title}: preparing the device …"),
+                console=err,
+                refresh_per_second=8,
+                transient=True,
+            )
+            self.live.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self.live is not None:
+            self.live.stop()
+
+    def update(self, now: Progress) -> None:
+        if self.live is not None:
+            self.live.update(Text(progress_line(now)))
+
+
+def progress_line(now: Progress) -> str:
+    """Return one line: σ now, batches, interactions a second, time left."""
+    sigma = "σ –" if now.achieved_sigma is None else f"σ {now.achieved_sigma:.2e}"
+    if now.target is not None:
+        sigma += f" (target {now.target:.2e})"
+    batches = f"batch {now.batches}" + (f"/{now.goal_batches}" if now.goal_batches else "")
+    rate = f"{now.interactions_per_second / 1e6:.1f} M interactions/s"
+    left = "" if now.eta_seconds is None else f"  {_time(now.eta_seconds)} left"
+    return f"{sigma}  {batches}  {rate}{left}"
+
+
+def _time(seconds: float) -> str:
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02d} min" if minutes < 100 else f"{minutes / 60:.1f} h"
+
+
+# -- tables --------------------------------------------------------------------------------------
+
+
+def print_result(result: Result, out: Console) -> None:
+    """Print ledger, detectors and advisories."""
+    head = result.scene.title or result.scene.name
+    out.print(Text(head, "bold"))
+    run = result.scene.run
+    out.print(
+        paragraph(
+            f"{result.batches} batches of {run.rays_per_batch} rays, seed {run.seed}, "
+            f"{result.info.interactions / 1e6:.4g} M interactions in {result.info.seconds:.2f} s "
+            f"on {result.info.device}",
+            "",
+        ),
+        soft_wrap=True,
+    )
+    out.print()
+    _print_ledger(result, out)
+    _print_detectors(result, out)
+    achieved = result.achieved_sigma
+    sigma = "unknown" if achieved is None else f"{achieved:.3g}"
+    verdict = "met" if result.converged else "not met"
+    lit = "" if result.lit_fraction is None else f"; {result.lit_fraction:.1%} of the bins lit"
+    out.print()
+    text = f"median relative σ {sigma}, target {result.target_sigma:.3g} {verdict}{lit}"
+    out.print(paragraph(text, ""), soft_wrap=True)
+    out.print(result.tally_digest, soft_wrap=True)
+    for text in result.advisories:
+        out.print(paragraph(f"advisory: {text}", ""), soft_wrap=True)
+
+
+def _print_ledger(result: Result, out: Console) -> None:
+    ledger = result.ledger
+    emitted = ledger.emitted.value
+    rows = table(("ledger", "left"), ("W", "right"), ("± σ", "right"), ("of emitted", "right"))
+
+    def add(name: str, row: Estimate, style: str = "") -> None:
+        part = f"{100.0 * row.value / emitted:.4f} %"
+        rows.add_row(Text(name, style), *with_error(row.value, row.sigma), part)
+
+    add("emitted", ledger.emitted, "bold")
+    for name, row in ledger.absorbed.items():
+        add(f"absorbed by {name}", row)
+    add("escaped", ledger.escaped)
+    roulette = ledger.roulette
+    if roulette.killed.value or roulette.boosted.value:
+        add("roulette killed", roulette.killed)
+        add("roulette boosted", roulette.boosted)
+        add("roulette balance", roulette.balance)
+    add("depth-capped", ledger.depth_capped)
+    rows.add_row("closure", f"{ledger.closure:.1e}" if ledger.closure else "0", "", "")
+    print_table(rows, out)
+
+
+def _print_detectors(result: Result, out: Console) -> None:
+    if not result.detectors:
+        return
+    out.print()
+    rows = table(("detector", "left"), ("W", "right"), ("± σ", "right"), ("arrivals", "right"))
+    for name, detector in result.detectors.items():
+        power = detector.power
+        rows.add_row(Text(name), *with_error(power.value, power.sigma), str(power.count))
+        for rung in detector.ladder or ():
+            if rung.count:
+                last = " or more" if rung.generation == len(detector.ladder or ()) - 1 else ""
+                label = Text(f"  generation {rung.generation}{last}")
+                rows.add_row(label, *with_error(rung.value, rung.sigma), str(rung.count))
+        if detector.map is not None:
+            lit = detector.map.lit
+            values = detector.map.irradiance[lit]
+            ny, nx = lit.shape
+            text = f"  map {nx} × {ny}"
+            if values.size:
+                text += f", lit {values.min():.4g} … {values.max():.4g} W/m²"
+            rows.add_row(Text(text), "", "", "")
+    print_table(rows, out)

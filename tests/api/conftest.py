@@ -1,0 +1,30 @@
+"""Fixtures of the tests of the public interface."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+# The table of malformed scenes is a plain module beside the tests of the scene layer.
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scene"))
+
+QUICK = 2048
+"""Rays of a batch where a test asks for bookkeeping and not for accuracy."""
+
+
+@pytest.fixture(scope="session")
+def room():
+    """Return a result of the box room: map, ladder, several elements; 10 batches."""
+    import photizon_cl as pz
+
+    return pz.trace("box-room", batches=10, rays_per_batch=QUICK)
+
+
+@pytest.fixture(scope="session")
+def sphere():
+    """Return a result of the integrating sphere: far field, no detector; 10 batches."""
+    import photizon_cl as pz
+
+    return pz.trace("integrating-sphere", batches=10, rays_per_batch=QUICK)

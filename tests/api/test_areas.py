@@ -1,0 +1,86 @@
+"""Exact areas of map bins."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath as mp
+import pytest
+
+from photizon_cl.areas import bin_areas, disk_areas, rectangle_areas, sphere_areas
+
+
+@pytest.mark.parametrize(
+    ("nx", "ny"), [(1, 1), (2, 3), (5, 1), (10, 10), (32, 32), (33, 17), (400, 401)]
+)
+def test_disk_bins_add_up_to_the_disk(nx, ny):
+    areas = disk_areas(0.3, nx, ny)
+    assert areas.shape == (ny, nx)
+    assert math.fsum(areas.ravel()) == pytest.approx(math.pi * 0.09, rel=1e-14)
+    assert (areas >= 0.0).all()
+    assert (areas <= 0.36 / (nx * ny) * (1 + 1e-15)).all()
+    assert (areas == areas[::-1]).all()
+    assert (areas == areas[:, ::-1]).all()
+
+
+def shared(x0, x1, y0, y1):
+    """Return the area that a rectangle shares with the unit disk, to 40 digits."""
+    with mp.workdps(40):
+
+        def height(x):
+            root = mp.sqrt(max(1 - x * x, mp.mpf(0)))
+            return max(min(y1, root) - max(y0, -root), mp.mpf(0))
+
+        ends = {x0, x1}
+        for y in (y0, y1):
+            if abs(y) <= 1:
+                ends |= {s * mp.sqrt(1 - y * y) for s in (-1, 1)}
+        ends |= {mp.mpf(-1), mp.mpf(1)}
+        points = sorted(x for x in ends if x0 <= x <= x1)
+        return mp.quad(height, points)
+
+
+@pytest.mark.parametrize(("nx", "ny"), [(6, 7), (9, 4)])
+def test_each_disk_bin_against_quadrature(nx, ny):
+    areas = disk_areas(1.0, nx, ny)
+    for j in range(ny):
+        for i in range(nx):
+            with mp.workdps(40):
+                x = [mp.mpf(2 * k - nx) / nx for k in (i, i + 1)]
+                y = [mp.mpf(2 * k - ny) / ny for k in (j, j + 1)]
+            expected = float(shared(*x, *y))
+            assert areas[j, i] == pytest.approx(expected, rel=1e-13, abs=1e-18)
+
+
+def test_a_bin_whose_corner_stands_on_the_circle_has_no_area():
+    # 10 bins of a diameter: the corner (3, 4)/5 is on the circle, exactly.
+    areas = disk_areas(1.0, 10, 10)
+    assert areas[9, 8] == 0.0
+    assert areas[8, 9] == 0.0
+    assert areas[8, 8] > 0.0
+    assert (disk_areas(1.0, 32, 32) == 0.0).sum() == 168
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.05, 0.5, 0.3337])
+@pytest.mark.parametrize(("nx", "ny"), [(1, 1), (8, 20), (7, 33)])
+def test_sphere_bins_add_up_to_the_wall(fraction, nx, ny):
+    areas = sphere_areas(0.1, fraction, nx, ny)
+    wall = 4.0 * math.pi * 0.01 * (1.0 - fraction)
+    assert math.fsum(areas.ravel()) == pytest.approx(wall, rel=1e-14)
+
+
+def test_sphere_bins_in_the_port_have_no_area():
+    areas = sphere_areas(1.0, 0.05, 4, 20)  # the port is the last row, exactly
+    assert (areas[-1] == 0.0).all()
+    assert areas[:-1] == pytest.approx(4.0 * math.pi / 80, rel=1e-15)
+    assert 0.0 < sphere_areas(1.0, 0.04, 4, 20)[-1, 0] < areas[0, 0]
+
+
+def test_rectangle_bins_are_the_stated_product():
+    areas = rectangle_areas(1.0, 1.0, 32, 32)
+    assert (areas == (2 / 32) * (2 / 32)).all()
+
+
+def test_an_element_without_maps_is_refused():
+    with pytest.raises(TypeError):
+        bin_areas(type("Lens", (), {"kind": "biconvex"})(), 2, 2)

@@ -1,0 +1,227 @@
+"""The command line: exit statuses, what goes where, messages instead of tracebacks."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from malformed import CASES, edited
+
+import photizon_cl as pz
+from photizon_cl.cli import main
+from photizon_cl.presets import presets
+
+RUN = ["run", "box-room", "--batches", "2", "--rays-per-batch", "1024"]
+
+
+@pytest.fixture
+def run(capsys):
+    """Return a function that runs a command in this process: status, output, errors."""
+
+    def call(*arguments):
+        status = main([str(a) for a in arguments])
+        out, err = capsys.readouterr()
+        assert "Traceback" not in out + err
+        return status, out, err
+
+    return call
+
+
+def process(*arguments, **options):
+    return subprocess.run(
+        [sys.executable, "-m", "photizon_cl.cli", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        **options,
+    )
+
+
+# -- bad input -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("verb", ["check", "run"])
+@pytest.mark.parametrize(("name", "changes", "expected"), CASES, ids=[name for name, _, _ in CASES])
+def test_malformed_scenes(verb, name, changes, expected, run, tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(edited(changes)), encoding="utf-8")
+    status, out, err = run(verb, path)
+    assert status == 2
+    assert out == ""
+    lines = err.splitlines()
+    assert len(lines) == len(expected)
+    for line, (where, found, wanted) in zip(lines, expected, strict=True):
+        assert line.startswith(f"{path}: {where}: found {found}, expected {wanted}")
+
+
+@pytest.mark.parametrize(
+    ("content", "suffix"),
+    [
+        (b"", ".toml"),
+        (b"a = = 1", ".toml"),
+        (b'name = "caf\xe9"', ".toml"),
+        (b"{", ".json"),
+        (b"x", ".txt"),
+    ],
+)
+def test_unreadable_scenes_in_a_process(content, suffix, tmp_path):
+    path = tmp_path / f"scene{suffix}"
+    path.write_bytes(content)
+    done = process("run", path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stderr.startswith(str(path))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "VERB"),
+        (["ru"], "invalid choice"),
+        (["resume", "x"], "invalid choice"),
+        (["run"], "SCENE"),
+        (["run", "no-such-scene"], "neither a preset nor a file"),
+        (["run", "box-room", "--batches", "two"], "expected an integer"),
+        (["run", "box-room", "--batches", "0"], "batches: found 0"),
+        (["run", "box-room", "--target", "x"], "expected a number"),
+        (["run", "box-room", "--target", "nan"], "target_sigma"),
+        (["run", "box-room", "--target", "2"], "target_sigma"),
+        (["run", "box-room", "--batches", "1", "--target", "0.1"], "not allowed with"),
+        (["run", "box-room", "--seed", "-1"], "seed"),
+        (["run", "box-room", "--max-seconds", "0"], "max_seconds"),
+        (["run", "box-room", "--rays-per-batch", "99999999"], "rays_per_batch"),
+        (["run", "box-room", "--device", "no such device"], "no device matches"),
+        (["run", "box-room", "--precision", "fp16"], "precision"),
+        (["run", "box-room", "--batch", "3"], "unrecognized"),
+        (["run", "box-room", "--out", ""], "--out"),
+        (["run", "box-room", "--colour"], "unrecognized"),
+        (["check"], "SCENE"),
+    ],
+)  # fmt: skip
+def test_bad_arguments(arguments, message, run):
+    status, out, err = run(*arguments)
+    assert (status, out) == (2, "")
+    assert message in err
+
+
+def test_out_is_refused_before_anything_runs(run, tmp_path):
+    (tmp_path / "thesis.tex").write_text("text")
+    status, out, err = run(*RUN, "--out", tmp_path)
+    assert (status, out) == (2, "")
+    assert "holds files and no photizon result" in err
+    assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+# -- success ---------------------------------------------------------------------------------------
+
+
+def test_json_is_the_summary_and_nothing_else(run):
+    status, out, err = run(*RUN, "--json", "--seed", "3")
+    assert (status, err) == (0, "")
+    summary = json.loads(out)
+    expected = pz.trace("box-room", batches=2, rays_per_batch=1024, seed=3).summary()
+    for key in ("seconds", "build_seconds"):
+        del summary[key], expected[key]
+    assert summary == expected
+
+
+def test_out_holds_the_result(run, tmp_path):
+    folder = tmp_path / "out"
+    for _ in range(2):  # the second run replaces the first
+        status, out, _ = run(*RUN, "--out", folder)
+        assert status == 0
+        assert str(folder) in out
+    assert {p.name for p in folder.iterdir()} == {
+        "summary.json", "scene.toml", "result.nc", "figures"
+    }  # fmt: skip
+    assert (folder / "figures" / "map-floor.png").exists()
+    assert pz.open_result(folder).batches == 2
+    assert run("check", folder / "scene.toml")[0] == 0
+
+
+def test_the_ledger_fits_a_terminal(run):
+    status, out, err = run(*RUN)
+    assert (status, err) == (0, "")
+    assert max(map(len, out.splitlines())) <= 80
+    for word in (
+        "emitted",
+        "absorbed by wall -x",
+        "escaped",
+        "closure",
+        "generation 3",
+        "advisory",
+    ):
+        assert word in out
+    assert "1 / 1" not in out
+
+
+def test_names_are_never_markup(run, tmp_path):
+    tables = pz.load("cosine-fourth").to_dict()
+    tables["title"] = "[red]title[red] :smile:"
+    tables["element"][0]["name"] = "[bold]x[bold] :smile:"
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(tables))
+    for command in (["check", path], ["run", path, "--batches", "2", "--rays-per-batch", "64"]):
+        status, out, _ = run(*command)
+        assert status == 0
+        assert "[bold]x[bold] :smile:" in out
+        assert "[red]title[red] :smile:" in out
+
+
+@pytest.mark.parametrize("preset", [p.name for p in presets()])
+def test_check_prints_what_follows(preset, run):
+    status, out, err = run("check", preset)
+    assert (status, err) == (0, "")
+    assert "advisories" in out
+    assert max(map(len, out.splitlines()[:-1])) <= 80
+    if preset == "integrating-sphere":
+        assert "sphere multiplier 6.8965" in " ".join(out.split())
+        assert "m²" in out
+
+
+def test_presets_are_listed_with_their_anchors(run):
+    status, out, _ = run("presets")
+    assert status == 0
+    text = " ".join(out.split())
+    for preset in presets():
+        assert preset.name in out
+        assert preset.anchor in text
+
+
+def test_devices_are_listed(run):
+    status, out, _ = run("devices")
+    assert status == 0
+    assert "usable" in out
+    assert "chosen:" in out
+
+
+def test_help_and_version(run):
+    assert run("--help")[0] == 0
+    assert run("--version")[1] == f"photizon {pz.__version__}\n"
+    assert "--rays-per-batch" in run("run", "--help")[1]
+
+
+def test_a_reader_that_had_enough():
+    command = f"'{sys.executable}' -m photizon_cl.cli presets | head -1"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert done.stdout.startswith("cosine-fourth")
+    assert done.stderr == ""
+
+
+def test_a_terminal_without_unicode():
+    done = process(*RUN, env={**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"})
+    assert done.returncode == 0, done.stderr
+    assert "absorbed by floor" in done.stdout
+
+
+def test_no_device_at_all_is_a_failed_run_with_the_remedy(tmp_path):
+    empty = tmp_path / "none.icd"
+    empty.write_text("")
+    done = process(*RUN, env={**os.environ, "OCL_ICD_VENDORS": str(empty)})
+    assert done.returncode == 1
+    assert "apt install pocl-opencl-icd" in done.stderr
+    assert "Traceback" not in done.stderr
