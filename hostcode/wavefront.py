@@ -132,6 +132,7 @@ class Engine:
         hits = self._queue.places if plan.composition == "classical" else 0
         self._hits = (allocate(16 * hits), allocate(8 * hits))
         self._bind()
+        self.build_seconds = self.program.build_seconds + self._warm_up()
 
     def _allocate(self, size: int) -> cl.Buffer:
         flags = self._cl.mem_flags.READ_WRITE
@@ -233,7 +234,7 @@ class Engine:
             )
         self._kernels = kernels
 
-    def _write_launch(self, first_batch: int) -> None:
+    def _write_launch(self, first_batch: int, items: int | None = None) -> None:
         launch = np.zeros((), numpy_dtype(LAUNCH))
         for name, value in self.tables.launch.items():
             launch[name] = value
@@ -244,13 +245,25 @@ class Engine:
         launch["ray_base"] = first_batch * self._rays_per_batch
         launch["n_cells"] = self.tables.n_cells
         launch["slots"] = self._slots
-        launch["items"] = self._items
+        launch["items"] = self._items if items is None else items
         launch["max_bounces"] = min(plan.max_bounces, steps)
         launch["refill"] = min(plan.refill, plan.lanes)
         launch["fill"] = capacity // 2 if splitting else capacity
         launch["stack_capacity"] = capacity
         launch["record_capacity"] = self._record_capacity
         self._cl.enqueue_copy(self.device.queue, self._launch_buffer, launch)
+
+    def _warm_up(self) -> float:
+        """Launch every kernel on no work: some runtimes generate code at the first launch."""
+        started = time.perf_counter()
+        self._write_launch(0, items=0)
+        for kernel, size in self._kernels:
+            self._cl.enqueue_nd_range_kernel(
+                self.device.queue, kernel, (size,), (self.plan.local_size,)
+            )
+        self._launch_merge()
+        self.device.queue.finish()
+        return time.perf_counter() - started
 
     # -- running -------------------------------------------------------------------------------
 
@@ -345,15 +358,19 @@ class Engine:
         self._bind()
         self._write_launch(first_batch)
 
+    def _launch_merge(self) -> None:
+        if self._merge is None:
+            return
+        size = self._tally.size // 8
+        self._cl.enqueue_nd_range_kernel(self.device.queue, self._merge, (size,), None)
+
     def _clear(self, buffer: cl.Buffer) -> None:
         zero = np.zeros(1, np.int64)
         self._cl.enqueue_fill_buffer(self.device.queue, buffer, zero, 0, buffer.size)
 
     def _flush(self, total: NDArray[np.int64]) -> NDArray[np.int64]:
         part = np.empty_like(total)
-        if self._merge is not None:
-            size = self._tally.size // 8
-            self._cl.enqueue_nd_range_kernel(self.device.queue, self._merge, (size,), None)
+        self._launch_merge()
         self._cl.enqueue_copy(self.device.queue, part, self._tally)
         flat = canonical((total + part).reshape(-1, CELL))
         return flat.reshape(total.shape)

@@ -13,7 +13,7 @@ from hostcode.tables import DeviceTables
 from hostcode.tally import image
 from photizon_cl.contact import in_contact
 from photizon_cl.edges import azimuth_edges, even_edges
-from photizon_cl.errors import RunError
+from photizon_cl.errors import ArgumentError
 from photizon_cl.layout import DetectorCells, TallyLayout, lay_out
 from photizon_cl.packing import (
     class_codes,
@@ -91,7 +91,7 @@ def compile_scene(
 
     Raises
     ------
-    RunError
+    ArgumentError
         Where a batch has fewer rays than the scene has sources.
     """
     rays = _share_rays(scene, settings.rays_per_batch)
@@ -210,7 +210,7 @@ def _share_rays(scene: Scene, rays_per_batch: int) -> tuple[int, ...]:
     """
     n = len(scene.source)
     if rays_per_batch < n:
-        raise RunError(
+        raise ArgumentError(
             f"rays_per_batch {rays_per_batch}: the scene {scene.name!r} has {n} sources and each "
             f"launches at least one ray in a batch; set rays_per_batch to {n} or more"
         )

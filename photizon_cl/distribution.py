@@ -59,8 +59,6 @@ class Chunk:
         Number of the first batch.
     cells : tuple of ndarray, each shape (n_cells, 4), int64
         Canonical tallies in batch order.
-    interactions : int
-        Surface interactions made for them.
     device : str
         Label of the device.
     build_seconds : float
@@ -69,7 +67,6 @@ class Chunk:
 
     first: int
     cells: tuple[NDArray[np.int64], ...]
-    interactions: int
     device: str
     build_seconds: float
 
@@ -243,11 +240,9 @@ class Local:
 
 def _compute(engine: Engine, first: int, n: int) -> Chunk:
     label = engine.device.record.label
-    before = engine.statistics.interactions
     with device_failures(label):
         cells = tuple(tally.cells for tally in engine.run(first, n))
-    made = engine.statistics.interactions - before
-    return Chunk(first, cells, made, label, engine.program.build_seconds)
+    return Chunk(first, cells, label, engine.build_seconds)
 
 
 # -- workers -----------------------------------------------------------------------------------

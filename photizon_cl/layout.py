@@ -68,7 +68,7 @@ class TallyLayout:
 
     @property
     def depth_capped(self) -> int:
-        """Cell of the weight alive at the generation cap."""
+        """Cell of the weight alive at the generation cap; its count is the batch's interactions."""
         return self.n_elements + 3
 
     @property

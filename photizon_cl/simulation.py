@@ -248,17 +248,15 @@ def _go_on(
     with _interruptible() as interrupted:
         try:
             for chunk in chunks:
-                used = 0
                 done = False
                 for cells in chunk.cells:
                     whole = complete(compiled.layout, cells)
                     worst = max(worst, check_batch(compiled, tally.batches, whole))
                     tally.add(whole)
-                    used += 1
+                    interactions += int(whole[compiled.layout.depth_capped, 3])
                     done = goal.reached(compiled.layout, tally)
                     if done:
                         break  # what was computed beyond is dropped: the goal fixes the bits
-                interactions += chunk.interactions * used // len(chunk.cells)
                 label, build = chunk.device, max(build, chunk.build_seconds)
                 clock.note(tally.batches)
                 if progress is not None:

@@ -42,6 +42,9 @@ FN void report(__global long *status, const item_t *item, uint blocked) {
     if (item->stack || item->next < item->end) atom_add(status, 1L);
     if (blocked) atom_add(status + 1, 1L);
 }
-FN void report_interactions(__global long *status, const ledger_t *ledger) {
-    atom_add(status + 2, sum_lanes(ledger->interactions));
+// Interactions, also to the batch's tally: as the count of the row `depth-capped`.
+FN void report_interactions(__global long *status, const launch_t *launch, const ledger_t *ledger) {
+    const long n = sum_lanes(ledger->interactions);
+    atom_add(status + 2, n);
+    atom_add(ledger->tally + (launch->n_elements + ROW_CAPPED) * CELL + 3, n);
 }

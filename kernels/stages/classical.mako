@@ -119,7 +119,7 @@ __kernel void shade_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
     }
     item.stack = kept;
     close_ledger(&ledger);
-    report_interactions(status, &ledger);
+    report_interactions(status, launch, &ledger);
     items[me] = item;
 % if "roulette" not in effects:
     report(status, &item, 0);

@@ -67,7 +67,7 @@ __kernel void wave(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
     }
     push_rays(&queue, &item.stack, p.alive, &p);
     close_ledger(&ledger);
-    report_interactions(status, &ledger);
+    report_interactions(status, launch, &ledger);
     items[me] = item;
     report(status, &item, blocked);
 }

@@ -56,7 +56,7 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
     push_rays(&queue, &item.stack, p.alive, &p);
 % endif
     close_ledger(&ledger);
-    report_interactions(status, &ledger);
+    report_interactions(status, launch, &ledger);
     items[me] = item;
     report(status, &item, blocked);
 }
