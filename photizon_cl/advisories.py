@@ -58,7 +58,12 @@ def _lies_on(source: Source, element: Element) -> bool:
 def _covered_elements(scene: Scene) -> Iterator[str]:
     first: dict[tuple[object, ...], str] = {}
     for element in scene.element:
-        shape = (element.kind, element.position, element.frame, element.packed(element.position, None))
+        shape = (
+            element.kind,
+            element.position,
+            element.frame,
+            element.packed(element.position, None),
+        )
         if shape in first:
             yield (
                 f'element "{element.name}" has the very geometry of "{first[shape]}", which is '
