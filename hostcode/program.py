@@ -57,8 +57,9 @@ class ElementClass:
     ----------
     kind : str
         Stem of the kernel file in ``kernels/elements``.
-    flat : bool
-        Whether it lies in a plane.
+    family : str
+        ``flat`` (a part of a plane), ``sphere``, ``solid`` (a convex solid of two faces) or ``walls``
+        (faces in a frame of their own).
     axis : int or None
         World axis (0, 1, 2) of the normal or port; None where it is tilted or has no meaning.
     ported : bool
@@ -70,11 +71,21 @@ class ElementClass:
     """
 
     kind: str
-    flat: bool
+    family: str
     axis: int | None
     ported: bool = False
     single: bool = False
     number: int = 0
+
+    @property
+    def flat(self) -> bool:
+        """Whether it lies in a plane."""
+        return self.family == "flat"
+
+    @property
+    def local(self) -> bool:
+        """Whether its functions work in the element's own frame, and know several faces."""
+        return self.family in ("solid", "walls")
 
     @property
     def suffix(self) -> str:
@@ -82,7 +93,7 @@ class ElementClass:
         port = "_ported" if self.ported else ""
         if self.axis is not None:
             return f"{self.kind}_{'xyz'[self.axis]}{port}"
-        return f"{self.kind}_tilted{port}" if self.flat or self.ported else self.kind
+        return self.kind if self.family == "sphere" and not self.ported else f"{self.kind}_tilted{port}"
 
 
 @dataclass(frozen=True)
@@ -185,10 +196,13 @@ def program_source(spec: ProgramSpec) -> str:
     }
     parts: list[tuple[str, dict[str, Any]]] = [("prelude.mako", {}), ("lib/philox.mako", {})]
     parts += [(f"lib/{stem}.mako", {}) for stem in ("elementary", "vectors", "limbs", "packets")]
+    if any(cls.family == "solid" for cls in spec.classes):
+        parts.append(("lib/cap.mako", {}))
     for cls in spec.classes:
-        parts.append((f"elements/{cls.kind}.mako", {"cls": cls}))
-        if cls.flat:
-            parts.append(("lib/flat.mako", {"cls": cls}))
+        before = {"solid": ("lib/local", "lib/solid", "lib/cap_bound"), "walls": ("lib/local",)}
+        after = {"flat": ("lib/flat",)}
+        stems = (*before.get(cls.family, ()), f"elements/{cls.kind}", *after.get(cls.family, ()))
+        parts += [(f"{stem}.mako", {"cls": cls}) for stem in stems]
     parts += [(f"lib/{stem}.mako", {}) for stem in ("faces", "nearest", "locate", "ledger")]
     parts += [(f"surfaces/{surface.kind}.mako", {}) for surface in spec.surfaces]
     if "detector" in spec.effects or "far-field" in spec.effects:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,7 +71,7 @@ def recentre(scene: Scene) -> tuple[float, float, float]:
     size = float(np.max(high - low))
     if not size > 0.0:
         return (0.0, 0.0, 0.0)
-    step = 2.0 ** (int(np.ceil(np.log2(size))) + 2)
+    step = math.ldexp(4.0, math.frexp(size)[1])
     x, y, z = (float(np.rint(c / step)) * step for c in (low + high) / 2)
     return (x, y, z)
 
@@ -79,12 +80,12 @@ def element_classes(
     scene: Scene, force_tilt: bool
 ) -> tuple[tuple[ElementClass, ...], list[ElementClass]]:
     """Return the classes of a scene's elements in order, and the class of each element."""
-    keys: list[tuple[str, bool, int | None, bool]] = []
+    keys: list[tuple[str, str, int | None, bool]] = []
     for e in scene.element:
-        keys.append((e.kernel, e.flat, None if force_tilt else e.class_axis, e.ported))
+        keys.append((e.kernel, e.family, None if force_tilt else e.class_axis, e.ported))
     order = sorted(set(keys), key=lambda k: (k[0], -1 if k[2] is None else k[2], k[3]))
     classes = {
-        key: ElementClass(*key, single=keys.count(key) == 1 and not key[1], number=n)
+        key: ElementClass(*key, single=keys.count(key) == 1 and key[1] == "sphere", number=n)
         for n, key in enumerate(order)
     }
     return tuple(classes.values()), [classes[key] for key in keys]
@@ -105,7 +106,7 @@ def class_codes(
                 down = cls.axis is not None and axis_index(element.axis) % 2 == 1
                 counted = element.detector is not None
                 kind = surface_number[element.surface.kind]
-                codes.append(n << 16 | counted << 12 | kind << 8 | down << 7 | cls.number)
+                codes.append(n << 32 | counted << 12 | kind << 8 | down << 7 | cls.number)
         bounds.append(len(classes) + 1 + len(codes))
     return bounds + codes
 

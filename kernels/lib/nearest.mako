@@ -19,11 +19,18 @@ FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
             const long code = scene->codes[j];
             __global const double *row = scene->geometry + ELEMENT_OF(code) * ROW;
             real t;
+% if cls.local:
+            lint face;
+            const mask ok = hit_${cls.suffix}(row, code, p, left, scene, careful, &doubtful, &t, &face);
+            const lint hit_code = WITH_FACE(code, face);
+% else:
             mask edge = lsplat(0L);
             const mask ok = hit_${cls.suffix}(row, code, p, EQ(left, lsplat(code)), scene, careful, &doubtful, &t, &edge);
-            const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & LT(lsplat(code), h->code)));
+            const lint hit_code = lsplat(code);
+% endif
+            const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & LT(hit_code, h->code)));
             h->t = SEL(closer, t, h->t);
-            h->code = SEL(closer, lsplat(code), h->code);
+            h->code = SEL(closer, hit_code, h->code);
 % if cls.flat:
             h->edge = SEL(closer, edge, h->edge);
 % if cls.axis is not None:

@@ -32,10 +32,9 @@ typedef struct {
     __global const long *codes;         // classes' bounds, elements' codes by class, materials' rows
 } scene_t;
 
-// code: element number << 16 | has a detector << 12 | surface kind << 8 | normal points down its
-// axis << 7 | element class.
-// plane: the coordinate of a flat face across an axis.  edge: it was met within
-// rounding of its edge.
+// code: element number << 32 | face << 16 | has a detector << 12 | surface kind << 8 | normal points
+// down its axis << 7 | element class.  plane: the coordinate of a flat face across an axis.  edge: it
+// was met within rounding of its edge.
 typedef struct {
     real t;
     lint code;
@@ -53,7 +52,10 @@ typedef struct {
 // Columns of an element's row in the geometry table.
 #define ROW ${row_stride}
 #define ROW_FRAME ${row_frame}
-#define ELEMENT_OF(code) ((code) >> 16)
+#define ELEMENT_OF(code) ((code) >> 32)
+#define FACE_OF(code) (((code) >> 16) & 0xFFFFL)
+#define WITHOUT_FACE(code) ((code) & ~0xFFFF0000L)
+#define WITH_FACE(code, face) ((code) | ((face) << 16))
 #define HAS_DETECTOR(code) NE((code) & (1L << 12), lsplat(0L))
 #define SURFACE_OF(code) (((code) >> 8) & 15L)
 #define AXIS_SIGN(code) SEL(NE((code) & 128L, lsplat(0L)), splat(-1.0), splat(1.0))

@@ -39,7 +39,9 @@ class Element(Described):
     label: ClassVar[str] = "element"
     kind: ClassVar[str] = ""
     kernel: ClassVar[str] = ""
-    flat: ClassVar[bool]
+    family: ClassVar[str]
+    """How the kernels see it: ``flat``, ``sphere``, ``solid`` or ``walls``."""
+    flat: ClassVar[bool] = False
     """Whether a detector's side is set by the normal alone."""
     has_map: ClassVar[bool]
     """Whether a detector may have a map."""

@@ -20,6 +20,7 @@ _ROUNDOFF: Final = 2.0**-53
 class Flat(Element):
     """A part of a plane around `position`, with `axis` as its normal."""
 
+    family: ClassVar[str] = "flat"
     flat: ClassVar[bool] = True
     has_map: ClassVar[bool] = True
 

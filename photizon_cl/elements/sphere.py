@@ -40,6 +40,7 @@ class Sphere(Element):
 
     kind: ClassVar[str] = "sphere"
     kernel: ClassVar[str] = "sphere"
+    family: ClassVar[str] = "sphere"
     flat: ClassVar[bool] = False
     has_map: ClassVar[bool] = True
     default_side: ClassVar[str] = "inside"

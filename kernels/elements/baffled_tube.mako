@@ -1,0 +1,78 @@
+## cls: the element class; rendered once a class
+// Square tube, open at both ends, with plates across it that have a square hole.
+// Faces: 0 +u wall, 1 -u wall, 2 +v wall, 3 -v wall (normals away from the axis), 4 + i the plate
+// number i + 1 at z = L (i + 1)/(N + 1) (normal along the axis).
+// Row: 0-2 centre of the entrance, 3 h, 4 h with its rounding bound, 5 h less that bound, 6 L, 7 N,
+// 8 half hole less its rounding bound, 9 rounding bound of a coordinate, 15-23 frame.
+FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
+                      const scene_t *scene, int careful, mask *doubtful, real *t_out, lint *face_out) {
+    const local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
+    const mask ours = EQ(WITHOUT_FACE(left), lsplat(code)) & p->alive;
+    const lint left_face = FACE_OF(left);
+    const real reach = (fabs(r.x) + fabs(r.y) + fabs(r.z)) * (4.0 * UNIT_ROUNDOFF);
+    const real near = reach + row[9];
+    const real wide = reach + row[4];
+    const real low = -near, high = near + row[6];
+    real best = splat(INFINITY);
+    lint face = lsplat(0L);
+    mask found = lsplat(0L);
+% for n, (w, o, sign) in enumerate((("x", "y", 1), ("x", "y", -1), ("y", "x", 1), ("y", "x", -1))):
+    {
+        const real off = ${"" if sign == 1 else "-"}row[3] - r.${w};
+        const mask on = LE(fabs(off), near);
+        const real t = SEL(on, splat(0.0), off / r.d${w});
+        mask ok = p->alive & NE(r.d${w}, splat(0.0)) & GE(t, splat(0.0)) & ~(ours & EQ(left_face, lsplat(${n}L)))
+            & LE(fabs(fma(t, r.d${o}, r.${o})), wide)
+            & GE(fma(t, r.dz, r.z), low) & LE(fma(t, r.dz, r.z), high);
+        const mask starts = on & ok;
+        *doubtful |= starts;
+        if (careful && ANY(starts)) {
+            real nx, ny, nz;
+            turn_${cls.suffix}(row, splat(${f"{sign}.0" if w == "x" else "0.0"}), splat(${f"{sign}.0" if w == "y" else "0.0"}), splat(0.0), &nx, &ny, &nz);
+            ok &= ~on | crosses(scene, p, WITH_FACE(code, ${n}L), nx, ny, nz, r.d${w} * ${sign}.0, -off * r.d${w});
+        }
+        const mask closer = ok & LT(t, best);
+        best = SEL(closer, t, best);
+        face = SEL(closer, lsplat(${n}L), face);
+        found |= ok;
+    }
+% endfor
+    const int plates = (int)row[7];
+    for (int i = 0; i < plates; i++) {
+        const real off = row[6] * (i + 1) / (plates + 1) - r.z;
+        const mask on = LE(fabs(off), near);
+        const real t = SEL(on, splat(0.0), off / r.dz);
+        const real x = fabs(fma(t, r.dx, r.x)), y = fabs(fma(t, r.dy, r.y));
+        mask ok = p->alive & NE(r.dz, splat(0.0)) & GE(t, splat(0.0)) & ~(ours & EQ(left_face, lsplat(4L + i)))
+            & LE(fmax(x, y), wide) & GE(fmax(x, y), row[8] - reach);
+        const mask starts = on & ok;
+        *doubtful |= starts;
+        if (careful && ANY(starts)) {
+            real nx, ny, nz;
+            turn_${cls.suffix}(row, splat(0.0), splat(0.0), splat(1.0), &nx, &ny, &nz);
+            ok &= ~on | crosses(scene, p, WITH_FACE(code, 4L + i), nx, ny, nz, r.dz, -off * r.dz);
+        }
+        const mask closer = ok & LT(t, best);
+        best = SEL(closer, t, best);
+        face = SEL(closer, lsplat(4L + i), face);
+        found |= ok;
+    }
+    *t_out = best;
+    *face_out = face;
+    return found;
+}
+
+FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, real *y, real *z,
+                        real *nx, real *ny, real *nz) {
+    const real h = gather(scene->geometry + 3, row), inner = gather(scene->geometry + 5, row);
+    const real length = gather(scene->geometry + 6, row), plates = gather(scene->geometry + 7, row);
+    const mask wall = LT(face, lsplat(4L)), u_wall = LT(face, lsplat(2L)), v_wall = wall & ~u_wall;
+    const real sign = SEL(EQ(face & 1L, lsplat(1L)), splat(-1.0), splat(1.0));
+    const real plate = length * TO_REAL(face - 3L) / (plates + 1.0);
+    *x = SEL(u_wall, sign * h, clamp(*x, -inner, inner));
+    *y = SEL(v_wall, sign * h, clamp(*y, -inner, inner));
+    *z = SEL(wall, clamp(*z, splat(0.0), length), plate);
+    *nx = SEL(u_wall, sign, splat(0.0));
+    *ny = SEL(v_wall, sign, splat(0.0));
+    *nz = SEL(wall, splat(0.0), splat(1.0));
+}

@@ -1,0 +1,130 @@
+## cls: the element class; rendered once a class
+// Compound parabolic concentrator: the wall of a body of revolution about the axis, from the exit
+// aperture (z = 0, radius a') to the entrance (z = L).  One face, normal away from the axis.
+//
+// The meridian is a parabola tilted by the acceptance angle (Winston, Minano, Benitez, ch. 4):
+//   G(r, z) = (C r + S z)^2 + B r - D z - E = 0,   C = cos, S = sin of the acceptance angle,
+//   B = 2 a' (1 + S)^2, D = 2 a' C (2 + S), E = a'^2 (1 + S)(3 + S).
+// Solved for r: R(z) = 2 Q / (P + sqrt(alpha + beta z)), Q = E + D z - S^2 z^2, P = 2 C S z + B.
+// R is concave, so the body is convex and f(t) = R(z(t)) - r(t) is a concave function along any ray:
+// it has at most two roots, and Newton's iteration from a point where f < 0 runs up to the nearer
+// root without ever passing it.  No quartic, and nothing to deflate: which root is wanted follows
+// from the side the ray starts on.
+//
+// Lengths are scaled by a power of two so that a' is about 1.
+// Row: 0-2 centre of the exit, 3 a', 4 L, 5 C, 6 S, 7 B, 8 D, 9 E, 10 alpha, 11 beta, 12 radius of a
+// cylinder around it, 13 scale, 14 rounding bound of a coordinate; 15-23 frame.  All but 0-2 scaled.
+typedef struct { real f, slope; } profile_${cls.suffix};
+
+FN profile_${cls.suffix} profile_at_${cls.suffix}(__global const double *row, local_${cls.suffix} r, real t) {
+    profile_${cls.suffix} out;
+    const real x = fma(t, r.dx, r.x), y = fma(t, r.dy, r.y), z = fma(t, r.dz, r.z);
+    const real radius = sqrt(fma(x, x, y * y));
+    const real flat_speed = sqrt(fma(r.dx, r.dx, r.dy * r.dy));
+    const real q = fma(z, fma(-z, splat(row[6] * row[6]), splat(row[8])), splat(row[9]));
+    const real wall = 2.0 * q / (fma(z, splat(2.0 * row[5] * row[6]), splat(row[7]))
+                                 + sqrt(fmax(fma(z, splat(row[11]), splat(row[10])), splat(0.0))));
+    const real w = fma(wall, splat(row[5]), z * row[6]);
+    const real wall_slope = (row[8] - 2.0 * row[6] * w) / fma(w, splat(2.0 * row[5]), splat(row[7]));
+    const real speed = SEL(GT(radius, splat(0.0)), fma(x, r.dx, y * r.dy) / radius, flat_speed);
+    out.f = wall - radius;
+    out.slope = fma(wall_slope, r.dz, -speed);
+    return out;
+}
+
+FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
+                      const scene_t *scene, int careful, mask *doubtful, real *t_out, lint *face_out) {
+    local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
+    const double scale = row[13];
+    r.x *= scale; r.y *= scale; r.z *= scale;
+    const real zero = splat(0.0), far = splat(INFINITY);
+    // the part of the ray between the apertures, rims included
+    const double below = -row[14], above = row[4] + row[14];
+    const real ta = (below - r.z) / r.dz, tb = (above - r.z) / r.dz;
+    const mask along = EQ(r.dz, zero);
+    const mask between = GE(r.z, splat(below)) & LE(r.z, splat(above));
+    real first = SEL(along, SEL(between, zero, far), fmax(fmin(ta, tb), zero));
+    real last = SEL(along, SEL(between, far, -far), fmax(ta, tb));
+    // and inside the cylinder around it
+    const real aa = fma(r.dx, r.dx, r.dy * r.dy), bb = fma(r.x, r.dx, r.y * r.dy);
+    const real cc = fma(r.x, r.x, r.y * r.y) - row[12] * row[12];
+    const real root = sqrt(fmax(fma(bb, bb, -aa * cc), zero));
+    const real q = -(bb + copysign(root, bb));
+    const mask axial = EQ(aa, zero);
+    const real u0 = q / aa, u1 = SEL(EQ(q, zero), zero, cc / q);
+    const mask meets = SEL(axial, LE(cc, zero), GE(fma(bb, bb, -aa * cc), zero));
+    first = SEL(axial, first, fmax(first, fmin(u0, u1)));
+    last = SEL(axial, last, fmin(last, fmax(u0, u1)));
+    const mask departed = EQ(left, lsplat(code));
+    const mask inside_departed = departed & EQ(p->left & 2L, lsplat(0L));
+    mask possible = p->alive & (inside_departed | (~departed & meets & LE(first, last)));
+    if (!ANY(possible)) {
+        *t_out = far;
+        *face_out = lsplat(0L);
+        return lsplat(0L);
+    }
+    const profile_${cls.suffix} start = profile_at_${cls.suffix}(row, r, zero);
+    const mask on_wall = ~departed & possible & between
+        & LE(fabs(start.f), fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(8.0 * UNIT_ROUNDOFF), splat(row[14])));
+    *doubtful |= on_wall;
+    mask starts = lsplat(0L);
+    if (careful && ANY(on_wall)) {
+        real x = p->ox, y = p->oy, z = p->oz, nx = zero, ny = zero, nz = zero;
+        normal_${cls.suffix}(scene, lsplat(code), on_wall, x, y, z, &nx, &ny, &nz);
+        starts = on_wall & crosses(scene, p, code, nx, ny, nz, -start.slope, zero);
+    }
+    possible &= ~on_wall | starts | GT(start.slope, zero);
+    const profile_${cls.suffix} enters = profile_at_${cls.suffix}(row, r, first);
+    const mask inside = inside_departed | (on_wall & GT(start.slope, zero)) | (~on_wall & GE(enters.f, zero));
+    // from inside the way out is sought from the far end backwards, from outside the way in forwards
+    last = fmax(last, zero);
+    real t = SEL(inside, last, first);
+    mask active = possible & ~starts;
+    mask ok = active;
+    for (int step = 0; step < 100 && ANY(active); step++) {
+        const profile_${cls.suffix} g = profile_at_${cls.suffix}(row, r, t);
+        const mask reached = GE(g.f, zero);
+        // reached at the first step from inside: it leaves through an aperture
+        ok &= ~(active & inside & reached & lsplat(step == 0 ? -1L : 0L) & GT(g.f, zero));
+        // the wrong slope from outside: it passes by
+        const mask passes = active & ~inside & ~reached & LE(g.slope, zero);
+        ok &= ~passes;
+        const real next = t - g.f / g.slope;
+        const mask moves = SEL(inside, LT(next, t), GT(next, t));
+        const mask goes_on = active & ~reached & ~passes & moves;
+        t = SEL(goes_on, next, t);
+        active = goes_on;
+    }
+    t = SEL(starts, zero, fmax(t, zero));
+    ok = (ok & (inside | LE(t, last))) | starts;
+    *t_out = t / scale;
+    *face_out = lsplat(0L);
+    return ok & p->alive & possible;
+}
+
+FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *px, real *py, real *pz,
+                        real *nx, real *ny, real *nz) {
+    const real scale = gather(scene->geometry + 13, row), length = gather(scene->geometry + 4, row);
+    const real c = gather(scene->geometry + 5, row), s = gather(scene->geometry + 6, row);
+    const real b = gather(scene->geometry + 7, row), d = gather(scene->geometry + 8, row);
+    const real e = gather(scene->geometry + 9, row);
+    const real x = *px * scale, y = *py * scale;
+    real z = *pz * scale, r = sqrt(fma(x, x, y * y));
+    const real ux = x / r, uy = y / r;
+    real gr = r, gz = r, k = r;
+    for (int step = 0; step < 2; step++) {
+        const real w = fma(c, r, s * z);
+        const real g = fma(w, w, fma(b, r, -fma(d, z, e)));
+        gr = fma(2.0 * c, w, b);
+        gz = fma(2.0 * s, w, -d);
+        k = fma(gr, gr, gz * gz);
+        r = fma(-g / k, gr, r);
+        z = clamp(fma(-g / k, gz, z), splat(0.0), length);
+    }
+    const real w = fma(c, r, s * z);
+    gr = fma(2.0 * c, w, b);
+    gz = fma(2.0 * s, w, -d);
+    const real n = 1.0 / sqrt(fma(gr, gr, gz * gz));
+    *px = ux * r / scale; *py = uy * r / scale; *pz = z / scale;
+    *nx = ux * gr * n; *ny = uy * gr * n; *nz = gz * n;
+}

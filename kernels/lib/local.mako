@@ -1,0 +1,89 @@
+## cls: the element class (axis 0, 1, 2 or None for tilted); rendered once a class
+<%
+    a = cls.axis
+    names = "xyz"
+%>
+// The ray in the element's own frame (u, v, axis), and back.  Axis frames are permutations: exact.
+typedef struct { real x, y, z, dx, dy, dz; } local_${cls.suffix};
+
+FN local_${cls.suffix} to_local_${cls.suffix}(__global const double *row, const packet_t *p) {
+    local_${cls.suffix} r;
+    const real vx = p->ox - row[0], vy = p->oy - row[1], vz = p->oz - row[2];
+% if a is None:
+    __global const double *f = row + ROW_FRAME;
+    r.x = dot3(vx, vy, vz, splat(f[0]), splat(f[1]), splat(f[2]));
+    r.y = dot3(vx, vy, vz, splat(f[3]), splat(f[4]), splat(f[5]));
+    r.z = dot3(vx, vy, vz, splat(f[6]), splat(f[7]), splat(f[8]));
+    r.dx = dot3(p->dx, p->dy, p->dz, splat(f[0]), splat(f[1]), splat(f[2]));
+    r.dy = dot3(p->dx, p->dy, p->dz, splat(f[3]), splat(f[4]), splat(f[5]));
+    r.dz = dot3(p->dx, p->dy, p->dz, splat(f[6]), splat(f[7]), splat(f[8]));
+% else:
+<% z, x, y = (names[(a + k) % 3] for k in range(3)) %>
+    // for -a the frame's u and v are swapped
+    const double sign = row[ROW_FRAME + 6 + ${a}];
+    r.x = sign > 0.0 ? v${x} : v${y};
+    r.y = sign > 0.0 ? v${y} : v${x};
+    r.z = v${z} * sign;
+    r.dx = sign > 0.0 ? p->d${x} : p->d${y};
+    r.dy = sign > 0.0 ? p->d${y} : p->d${x};
+    r.dz = p->d${z} * sign;
+% endif
+    return r;
+}
+
+// A local vector in world coordinates; one row for all lanes.
+FN void turn_${cls.suffix}(__global const double *row, real x, real y, real z, real *wx, real *wy, real *wz) {
+    from_frame(row + ROW_FRAME, x, y, z, wx, wy, wz);
+}
+
+// A world point in the frames of the lanes' own elements, and a local vector out of them.
+FN void gather_local_${cls.suffix}(const scene_t *scene, lint row, real px, real py, real pz,
+                               real *x, real *y, real *z) {
+    const real vx = px - gather(scene->geometry, row), vy = py - gather(scene->geometry + 1, row);
+    const real vz = pz - gather(scene->geometry + 2, row);
+    __global const double *f = scene->geometry + ROW_FRAME;
+    *x = dot3(vx, vy, vz, gather(f, row), gather(f + 1, row), gather(f + 2, row));
+    *y = dot3(vx, vy, vz, gather(f + 3, row), gather(f + 4, row), gather(f + 5, row));
+    *z = dot3(vx, vy, vz, gather(f + 6, row), gather(f + 7, row), gather(f + 8, row));
+}
+FN void scatter_local_${cls.suffix}(const scene_t *scene, lint row, real x, real y, real z,
+                                real *wx, real *wy, real *wz) {
+    __global const double *f = scene->geometry + ROW_FRAME;
+    *wx = fma(x, gather(f, row), fma(y, gather(f + 3, row), z * gather(f + 6, row)));
+    *wy = fma(x, gather(f + 1, row), fma(y, gather(f + 4, row), z * gather(f + 7, row)));
+    *wz = fma(x, gather(f + 2, row), fma(y, gather(f + 5, row), z * gather(f + 8, row)));
+}
+
+FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, real *y, real *z,
+                        real *nx, real *ny, real *nz);
+
+// The hit point put back onto its face, and the normal, for the lanes in m.
+FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t *h, mask m, contact_t *c) {
+    if (!ANY(m)) return;
+    const lint row = SEL(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
+    real x, y, z, nx, ny, nz, wx, wy, wz;
+    gather_local_${cls.suffix}(scene, row, c->x, c->y, c->z, &x, &y, &z);
+    shape_${cls.suffix}(scene, row, FACE_OF(h->code), &x, &y, &z, &nx, &ny, &nz);
+    scatter_local_${cls.suffix}(scene, row, x, y, z, &wx, &wy, &wz);
+    c->x = SEL(m, wx + gather(scene->geometry, row), c->x);
+    c->y = SEL(m, wy + gather(scene->geometry + 1, row), c->y);
+    c->z = SEL(m, wz + gather(scene->geometry + 2, row), c->z);
+    scatter_local_${cls.suffix}(scene, row, nx, ny, nz, &wx, &wy, &wz);
+    c->nx = SEL(m, wx, c->nx); c->ny = SEL(m, wy, c->ny); c->nz = SEL(m, wz, c->nz);
+% if cls.kind != "baffled_tube":
+    // a ray inside ends on the inside, whatever the rounding of d.n says
+    c->from_minus |= m & EQ(WITHOUT_FACE(p->left >> 2), WITHOUT_FACE(h->code)) & EQ(p->left & 2L, lsplat(0L));
+% endif
+}
+
+// The outward normal at a point on a face, for the lanes in m.
+FN void normal_${cls.suffix}(const scene_t *scene, lint code, mask m, real px, real py, real pz,
+                         real *nx, real *ny, real *nz) {
+    if (!ANY(m)) return;
+    const lint row = SEL(m, ELEMENT_OF(code) * ROW, lsplat(0L));
+    real x, y, z, lx, ly, lz, wx, wy, wz;
+    gather_local_${cls.suffix}(scene, row, px, py, pz, &x, &y, &z);
+    shape_${cls.suffix}(scene, row, FACE_OF(code), &x, &y, &z, &lx, &ly, &lz);
+    scatter_local_${cls.suffix}(scene, row, lx, ly, lz, &wx, &wy, &wz);
+    *nx = SEL(m, wx, *nx); *ny = SEL(m, wy, *ny); *nz = SEL(m, wz, *nz);
+}

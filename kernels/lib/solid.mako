@@ -1,0 +1,58 @@
+## cls: the element class; faces: how each face of the solid bounds it; rendered once a class
+// A convex solid as the intersection of two half-spaces or balls, solved as intervals of t: the ray
+// is inside from the last entry to the first exit.  A ray that left the solid on its inside leaves it
+// again at the first exit, whatever rounding says; one that left it on its outside never meets it.
+//
+// lo, hi: the interval inside each bound.  on: the origin is within rounding of that bound's surface.
+// back: where a ray that starts on that bound's surface going in comes to it again.
+typedef struct { real lo, hi, back; mask on, in; } bound_${cls.suffix};
+
+FN bound_${cls.suffix} bound0_${cls.suffix}(__global const double *row, local_${cls.suffix} r);
+FN bound_${cls.suffix} bound1_${cls.suffix}(__global const double *row, local_${cls.suffix} r);
+
+FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
+                      const scene_t *scene, int careful, mask *doubtful, real *t_out, lint *face_out) {
+    const local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
+    bound_${cls.suffix} q0 = bound0_${cls.suffix}(row, r);
+    bound_${cls.suffix} q1 = bound1_${cls.suffix}(row, r);
+    const mask ours = EQ(WITHOUT_FACE(left), lsplat(code));
+    const mask left0 = ours & EQ(FACE_OF(left), lsplat(0L));
+    const mask left1 = ours & ~left0;
+    const mask inside = ours & EQ(p->left & 2L, lsplat(0L));
+    // the origin on a face that was not left: decided by `crosses`, and if it is not hit the ray is
+    // as if it had left that face
+    const mask on0 = q0.on & ~ours & LE(q1.lo, splat(0.0)) & GE(q1.hi, splat(0.0)) & p->alive;
+    const mask on1 = q1.on & ~ours & ~on0 & LE(q0.lo, splat(0.0)) & GE(q0.hi, splat(0.0)) & p->alive;
+    *doubtful |= on0 | on1;
+    mask starts = lsplat(0L);
+    if (careful && ANY(on0 | on1)) {
+% for n in (0, 1):
+        {
+            real nx, ny, nz, x = r.x, y = r.y, z = r.z, wx, wy, wz;
+            shape_${cls.suffix}(scene, lsplat(ELEMENT_OF(code) * ROW), lsplat(${n}L), &x, &y, &z, &nx, &ny, &nz);
+            turn_${cls.suffix}(row, nx, ny, nz, &wx, &wy, &wz);
+            const real d_n = dot3(p->dx, p->dy, p->dz, wx, wy, wz);
+            starts |= on${n} & crosses(scene, p, WITH_FACE(code, ${n}L), wx, wy, wz, d_n, splat(0.0));
+        }
+% endfor
+    }
+    const mask begins0 = left0 | on0, begins1 = left1 | on1;
+    const mask goes_in = SEL(ours, inside, SEL(on0, q0.in, q1.in));
+    const real out0 = SEL(begins0, q0.back, SEL(inside, fmax(q0.hi, splat(0.0)), q0.hi));
+    const real out1 = SEL(begins1, q1.back, SEL(inside, fmax(q1.hi, splat(0.0)), q1.hi));
+    const real in0 = SEL(begins0, splat(0.0), q0.lo), in1 = SEL(begins1, splat(0.0), q1.lo);
+    const real enter = fmax(in0, in1), leave = fmin(out0, out1);
+    const lint enter_face = SEL(GE(in0, in1), lsplat(0L), lsplat(1L));
+    const lint leave_face = SEL(LE(out0, out1), lsplat(0L), lsplat(1L));
+    const mask begins = begins0 | begins1;
+    const mask from_outside = ~begins & GE(enter, splat(0.0));
+    real t = SEL(from_outside, enter, leave);
+    lint face = SEL(from_outside, enter_face, leave_face);
+    mask ok = SEL(begins, goes_in, LE(enter, leave)) & GE(t, splat(0.0));
+    t = SEL(starts, splat(0.0), t);
+    face = SEL(starts, SEL(on0, lsplat(0L), lsplat(1L)), face);
+    ok |= starts;
+    *t_out = t;
+    *face_out = face;
+    return ok & p->alive;
+}
