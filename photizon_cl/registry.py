@@ -8,7 +8,16 @@ from __future__ import annotations
 from typing import Final
 
 from photizon_cl.detectors import Detector
-from photizon_cl.elements import Disk, Element, Rectangle, Sphere
+from photizon_cl.elements import (
+    BaffledTube,
+    Biconvex,
+    Cpc,
+    Disk,
+    Element,
+    PlanoConvex,
+    Rectangle,
+    Sphere,
+)
 from photizon_cl.sources import (
     CollimatedDisk,
     CosinePoint,
@@ -23,6 +32,10 @@ ELEMENTS: Final[dict[str, type[Element]]] = {
     "rectangle": Rectangle,
     "disk": Disk,
     "sphere": Sphere,
+    "cpc": Cpc,
+    "baffled-tube": BaffledTube,
+    "plano-convex": PlanoConvex,
+    "biconvex": Biconvex,
 }
 
 SURFACES: Final[dict[str, type[Surface]]] = {
@@ -42,5 +55,5 @@ SOURCES: Final[dict[str, type[Source]]] = {
 
 DETECTORS: Final[dict[str, type[Detector]]] = {"detector": Detector}
 
-NOT_YET: Final[frozenset[str]] = frozenset({"cpc", "baffled-tube", "plano-convex", "biconvex"})
+NOT_YET: Final[frozenset[str]] = frozenset()
 """Kinds that the file format knows and this version cannot trace."""

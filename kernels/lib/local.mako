@@ -70,9 +70,15 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     c->z = SEL(m, wz + gather(scene->geometry + 2, row), c->z);
     scatter_local_${cls.suffix}(scene, row, nx, ny, nz, &wx, &wy, &wz);
     c->nx = SEL(m, wx, c->nx); c->ny = SEL(m, wy, c->ny); c->nz = SEL(m, wz, c->nz);
-% if cls.kind != "baffled_tube":
     // a ray inside ends on the inside, whatever the rounding of d.n says
-    c->from_minus |= m & EQ(WITHOUT_FACE(p->left >> 2), WITHOUT_FACE(h->code)) & EQ(p->left & 2L, lsplat(0L));
+    const mask same = m & EQ(WITHOUT_FACE(p->left >> 2), WITHOUT_FACE(h->code));
+    const mask was_inside = EQ(p->left & 2L, lsplat(0L));
+% if cls.kind == "baffled_tube":
+    const mask plate = GE(FACE_OF(h->code), lsplat(4L));
+    c->from_minus |= same & ~plate & (was_inside | GE(FACE_OF(p->left >> 2), lsplat(4L)));
+    c->inner |= m & plate;
+% else:
+    c->from_minus |= same & was_inside;
 % endif
 }
 

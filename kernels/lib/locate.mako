@@ -8,6 +8,7 @@ FN void locate(const scene_t *scene, const packet_t *p, const hit_t *h, contact_
     c->z = fma(h->t, p->dz, p->oz);
     c->nx = splat(0.0); c->ny = splat(0.0); c->nz = splat(0.0);
     c->from_minus = lsplat(0L);
+    c->inner = lsplat(0L);
 % for cls in classes:
     place_${cls.suffix}(scene, p, h, h->found & EQ(CLASS_OF(h->code), lsplat(${cls.number}L)), c);
 % endfor

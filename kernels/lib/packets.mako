@@ -46,6 +46,7 @@ typedef struct {
 typedef struct {
     real x, y, z, nx, ny, nz;
     mask came_plus;
+    mask inner;       // a detector counts it as on the - side, wherever it came from
     mask from_minus;  // came from the - side whatever the rounding of d.n says
 } contact_t;
 

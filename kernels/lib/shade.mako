@@ -91,7 +91,7 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     end->x = SEL(found, c.x, p->dx);
     end->y = SEL(found, c.y, p->dy);
     end->z = SEL(found, c.z, p->dz);
-    end->tag = SEL(found, (element << 1) | (c.came_plus & 1L), lsplat(-1L));
+    end->tag = SEL(found, (element << 1) | (c.came_plus & ~c.inner & 1L), lsplat(-1L));
     end->generation = p->generation;
 % endif
 

@@ -56,6 +56,20 @@ _ROWS: Final = (
     Effect(
         "element.sphere", "sphere hit", "one square root and up to two roots an element a segment"
     ),
+    Effect(
+        "element.cpc",
+        "compound parabolic concentrator hit",
+        "Newton steps on the profile, a square root each, an element a segment",
+    ),
+    Effect(
+        "element.baffled-tube",
+        "walls and baffles of a square tube hit",
+        "one division a wall and a baffle a segment",
+    ),
+    Effect(
+        "element.plano-convex", "plane and cap of a lens hit", "two roots an element a segment"
+    ),
+    Effect("element.biconvex", "both caps of a lens hit", "two roots a cap a segment"),
     Effect("surface.absorber", "ends what arrives", "one tally event a path"),
     Effect("surface.mirror", "specular reflection", "a few multiplications an interaction"),
     Effect(

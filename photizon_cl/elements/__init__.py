@@ -1,8 +1,21 @@
 """Elements: the geometry that rays hit. One class a file."""
 
+from photizon_cl.elements.baffled_tube import BaffledTube
 from photizon_cl.elements.base import Element
+from photizon_cl.elements.biconvex import Biconvex
+from photizon_cl.elements.cpc import Cpc
 from photizon_cl.elements.disk import Disk
+from photizon_cl.elements.plano_convex import PlanoConvex
 from photizon_cl.elements.rectangle import Rectangle
 from photizon_cl.elements.sphere import Sphere
 
-__all__ = ["Disk", "Element", "Rectangle", "Sphere"]
+__all__ = [
+    "BaffledTube",
+    "Biconvex",
+    "Cpc",
+    "Disk",
+    "Element",
+    "PlanoConvex",
+    "Rectangle",
+    "Sphere",
+]
