@@ -58,8 +58,8 @@ class ElementClass:
     kind : str
         Stem of the kernel file in ``kernels/elements``.
     family : str
-        ``flat`` (a part of a plane), ``sphere``, ``solid`` (a convex solid of two faces) or ``walls``
-        (faces in a frame of their own).
+        ``flat`` (a part of a plane), ``sphere``, ``solid`` (a convex solid of two faces) or
+        ``walls`` (faces in a frame of their own).
     axis : int or None
         World axis (0, 1, 2) of the normal or port; None where it is tilted or has no meaning.
     ported : bool
@@ -93,7 +93,11 @@ class ElementClass:
         port = "_ported" if self.ported else ""
         if self.axis is not None:
             return f"{self.kind}_{'xyz'[self.axis]}{port}"
-        return self.kind if self.family == "sphere" and not self.ported else f"{self.kind}_tilted{port}"
+        return (
+            self.kind
+            if self.family == "sphere" and not self.ported
+            else f"{self.kind}_tilted{port}"
+        )
 
 
 @dataclass(frozen=True)

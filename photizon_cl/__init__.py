@@ -17,7 +17,11 @@ __version__: Final = "0.1.0"
 
 if TYPE_CHECKING:
     from photizon_cl.detectors.detector import Detector
+    from photizon_cl.elements.baffled_tube import BaffledTube
+    from photizon_cl.elements.biconvex import Biconvex
+    from photizon_cl.elements.cpc import Cpc
     from photizon_cl.elements.disk import Disk
+    from photizon_cl.elements.plano_convex import PlanoConvex
     from photizon_cl.elements.rectangle import Rectangle
     from photizon_cl.elements.sphere import Sphere
     from photizon_cl.errors import (
@@ -56,6 +60,10 @@ _MODULE_OF: Final[dict[str, str]] = {
     "RunSettings": "photizon_cl.settings",
     "FarField": "photizon_cl.settings",
     "Detector": "photizon_cl.detectors.detector",
+    "BaffledTube": "photizon_cl.elements.baffled_tube",
+    "Biconvex": "photizon_cl.elements.biconvex",
+    "Cpc": "photizon_cl.elements.cpc",
+    "PlanoConvex": "photizon_cl.elements.plano_convex",
     "Rectangle": "photizon_cl.elements.rectangle",
     "Disk": "photizon_cl.elements.disk",
     "Sphere": "photizon_cl.elements.sphere",
@@ -80,8 +88,11 @@ _MODULE_OF: Final[dict[str, str]] = {
 __all__ = [
     "Absorber",
     "ArgumentError",
+    "BaffledTube",
+    "Biconvex",
     "CollimatedDisk",
     "CosinePoint",
+    "Cpc",
     "Detector",
     "Disk",
     "FarField",
@@ -92,6 +103,7 @@ __all__ = [
     "LambertianSphere",
     "Mirror",
     "PhotizonError",
+    "PlanoConvex",
     "Rectangle",
     "Result",
     "ResultError",

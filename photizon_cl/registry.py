@@ -54,6 +54,3 @@ SOURCES: Final[dict[str, type[Source]]] = {
 }
 
 DETECTORS: Final[dict[str, type[Detector]]] = {"detector": Detector}
-
-NOT_YET: Final[frozenset[str]] = frozenset()
-"""Kinds that the file format knows and this version cannot trace."""

@@ -11,7 +11,7 @@ from photizon_cl.described import Described, Known, Nested, NestedList, is_requi
 from photizon_cl.elements import Element
 from photizon_cl.errors import Problem, SceneError, join, key, show
 from photizon_cl.parameters import BAD
-from photizon_cl.registry import ELEMENTS, NOT_YET, SOURCES, SURFACES
+from photizon_cl.registry import ELEMENTS, SOURCES, SURFACES
 from photizon_cl.scene import SCHEMA, Scene, between_objects
 from photizon_cl.sources import Source
 from photizon_cl.surfaces import Surface
@@ -176,8 +176,6 @@ class _Reader:
         if isinstance(kind, str):
             near = difflib.get_close_matches(kind.lower(), kinds, 1)
             hint = f"did you mean {show(near[0])}?" if near else ""
-            if base is Element and kind in NOT_YET:
-                hint = f"{kind} is not yet available in this version"
         self.complain(where, show(kind), options, hint)
         return None
 

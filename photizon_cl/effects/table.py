@@ -66,9 +66,7 @@ _ROWS: Final = (
         "walls and baffles of a square tube hit",
         "one division a wall and a baffle a segment",
     ),
-    Effect(
-        "element.plano-convex", "plane and cap of a lens hit", "two roots an element a segment"
-    ),
+    Effect("element.plano-convex", "plane and cap of a lens hit", "two roots an element a segment"),
     Effect("element.biconvex", "both caps of a lens hit", "two roots a cap a segment"),
     Effect("surface.absorber", "ends what arrives", "one tally event a path"),
     Effect("surface.mirror", "specular reflection", "a few multiplications an interaction"),

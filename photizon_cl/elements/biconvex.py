@@ -28,8 +28,10 @@ class Biconvex(Lens):
 
     Parameters
     ----------
-    front_radius, back_radius : float
-        Radii of the balls in metres, the front one's cap being on the side of the axis.
+    front_radius : float
+        Radius in metres of the ball whose cap is on the side of the axis.
+    back_radius : float
+        Radius in metres of the other ball.
     aperture_radius : float
         Radius a of the rim in metres, at most the smaller ball's.
     """

@@ -81,7 +81,7 @@ class Cpc(Element):
         return math.hypot(self.entrance_radius, self.length)
 
     def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
-        """Return the profile's coefficients in scaled lengths, see ``kernels/elements/cpc.mako``."""
+        """Return the profile's coefficients, lengths scaled, see ``kernels/elements/cpc.mako``."""
         scale = math.ldexp(1.0, -math.frexp(self.exit_radius)[1])
         s, c = sincos_deg(self.acceptance_deg)
         a1, length = self.exit_radius * scale, self.length * scale

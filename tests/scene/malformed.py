@@ -63,7 +63,7 @@ FRACTION = "a number in [0, 1]"
 INDEX = "a refractive index, a number from 0.001 to 1000"
 BINS = "an integer from 1 to 8192"
 POWER = "a positive power in watts, from 1e-150 to 1e150"
-KINDS = 'one of "rectangle" "disk" "sphere"'
+KINDS = 'one of "rectangle" "disk" "sphere" "cpc" "baffled-tube" "plano-convex" "biconvex"'
 SURFACES = 'one of "absorber" "mirror" "lambertian" "fresnel"'
 PORT = "0, or a number from 1e-16 up to but not including 1"
 
@@ -153,7 +153,6 @@ CASES = [
         "element[0].surface.reflectance", "0.5", "no such key; the surface absorber takes kind"),
     # --- elements ------------------------------------------------------------------------------
     one("element kind", (*E0, "kind"), "plane", "element[0].kind", '"plane"', KINDS),
-    one("element kind to come", (*E0, "kind"), "cpc", "element[0].kind", '"cpc"', KINDS),
     one("element kind of a source", (*E0, "kind"), "isotropic-point", "element[0].kind",
         '"isotropic-point"', KINDS),
     one("element kind number", (*E0, "kind"), 4, "element[0].kind", "4", KINDS),

@@ -189,7 +189,6 @@ def test_hints_say_what_to_do():
     assert hint("element", 1, "raduis", 2.0) == "did you mean radius?"
     assert hint("element", 1, "Radius", 2.0) == "did you mean radius?"
     assert hint("element", 0, "kind", "Rectangle") == 'did you mean "rectangle"?'
-    assert hint("element", 0, "kind", "cpc") == "cpc is not yet available in this version"
     assert hint("run", "seed", 1e3) == "write 1000, without a decimal point or exponent"
     assert hint("element", 1, "radius", "0.5") == "write the number without quotes"
     assert hint("element", 1, "radius", True) == "a boolean is not a number"
