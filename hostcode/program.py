@@ -207,6 +207,8 @@ def program_source(spec: ProgramSpec) -> str:
         after = {"flat": ("lib/flat",)}
         stems = (*before.get(cls.family, ()), f"elements/{cls.kind}", *after.get(cls.family, ()))
         parts += [(f"{stem}.mako", {"cls": cls}) for stem in stems]
+    if "acceleration" in spec.effects:
+        parts.append(("effects/acceleration.mako", {}))
     parts += [(f"lib/{stem}.mako", {}) for stem in ("faces", "nearest", "locate", "ledger")]
     parts += [(f"surfaces/{surface.kind}.mako", {}) for surface in spec.surfaces]
     if "detector" in spec.effects or "far-field" in spec.effects:
@@ -221,7 +223,7 @@ def program_source(spec: ProgramSpec) -> str:
     parts += [(f"sources/{source.stem}.mako", {}) for source in spec.sources]
     parts += [("lib/generate.mako", {}), ("lib/queue.mako", {}), ("lib/arguments.mako", {})]
     parts += [(f"stages/{stage}.mako", {}) for stage in spec.stages]
-    if spec.records and spec.stages != ("probe",):
+    if spec.records and not {"probe", "follow", "paths"} & set(spec.stages):
         parts.append(("stages/tally.mako", {}))
     return "".join(render(name, **context, **extra) for name, extra in parts)
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         RunError,
         SceneError,
     )
+    from photizon_cl.pathing import Paths, paths
     from photizon_cl.probing import probe
     from photizon_cl.result import Result, open_result
     from photizon_cl.scene import Scene
@@ -52,9 +53,11 @@ _MODULE_OF: Final[dict[str, str]] = {
     "load": "photizon_cl.scene_io",
     "trace": "photizon_cl.simulation",
     "probe": "photizon_cl.probing",
+    "paths": "photizon_cl.pathing",
     "open_result": "photizon_cl.result",
     # what comes out
     "Result": "photizon_cl.result",
+    "Paths": "photizon_cl.pathing",
     # what goes in
     "Scene": "photizon_cl.scene",
     "RunSettings": "photizon_cl.settings",
@@ -102,6 +105,7 @@ __all__ = [
     "LambertianDisk",
     "LambertianSphere",
     "Mirror",
+    "Paths",
     "PhotizonError",
     "PlanoConvex",
     "Rectangle",
@@ -115,6 +119,7 @@ __all__ = [
     "__version__",
     "load",
     "open_result",
+    "paths",
     "probe",
     "trace",
 ]

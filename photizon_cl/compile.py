@@ -16,9 +16,11 @@ from photizon_cl.edges import azimuth_edges, even_edges
 from photizon_cl.errors import ArgumentError
 from photizon_cl.layout import DetectorCells, TallyLayout, lay_out
 from photizon_cl.packing import (
-    class_codes,
+    add_tree,
+    codes_by_class,
     detector_row,
     element_classes,
+    element_codes,
     extended,
     geometry_table,
     material_table,
@@ -26,6 +28,7 @@ from photizon_cl.packing import (
     source_table,
     surface_kinds,
 )
+from photizon_cl.tree import BREAK_EVEN
 
 if TYPE_CHECKING:
     from photizon_cl.scene import Scene
@@ -75,7 +78,10 @@ class CompiledScene:
 
 
 def compile_scene(
-    scene: Scene, settings: RunSettings, force: frozenset[str] = frozenset()
+    scene: Scene,
+    settings: RunSettings,
+    force: frozenset[str] = frozenset(),
+    accelerate: bool | None = None,
 ) -> CompiledScene:
     """Compile a scene.
 
@@ -87,7 +93,10 @@ def compile_scene(
         How it is run; may differ from ``scene.run``.
     force : frozenset of str
         Effects compiled in although the scene does not need them (``tilt``, ``roulette``,
-        ``splitting``, ``shares``); they change no bit of the answer.
+        ``splitting``, ``shares``, ``contact``); they change no bit of the answer.
+    accelerate : bool, optional
+        Whether the nearest hit is sought through a tree of boxes; None decides by the number of
+        elements. It changes no bit of the answer.
 
     Raises
     ------
@@ -106,7 +115,15 @@ def compile_scene(
     layout = lay_out(scene)
 
     number = {surface.kind: surface.number for surface in surfaces}
-    codes = class_codes(scene, classes, class_of, number)
+    one_by_one = element_codes(scene, class_of, number)
+    geometry = geometry_table(scene, class_of, shift)
+    few = len(scene.element) < BREAK_EVEN and "acceleration" not in effects
+    if few if accelerate is None else not (accelerate and scene.element):
+        effects -= {"acceleration"}
+        codes = codes_by_class(one_by_one, len(classes), len(classes) + 1)
+    else:
+        effects |= {"acceleration"}
+        codes, geometry = add_tree(scene, shift, one_by_one, len(classes), geometry)
     launch: dict[str, Any] = {
         "seed": settings.seed,
         "rays_per_batch": settings.rays_per_batch,
@@ -140,17 +157,17 @@ def compile_scene(
 
     kinds = sorted({(s.kernel, extended(s)) for s in scene.source})
     sources = tuple(SourceKind(stem, n, extended) for n, (stem, extended) in enumerate(kinds))
-    few = 0 < len(scene.element) <= MAX_REGISTER_ELEMENTS
+    in_registers = 0 < len(scene.element) <= MAX_REGISTER_ELEMENTS
     spec = ProgramSpec(
         classes=classes,
         surfaces=surfaces,
         sources=sources,
         effects=frozenset(effects & _COMPILED),
-        n_elements=len(scene.element) if few else 0,
+        n_elements=len(scene.element) if in_registers else 0,
     )
     tables = DeviceTables(
         spec=spec,
-        geometry=geometry_table(scene, class_of, shift),
+        geometry=geometry,
         materials=np.array(materials, np.float64),
         sources=source_table(scene, sources, rays, weights, shift),
         codes=np.array(codes, np.int64),
@@ -168,7 +185,17 @@ def compile_scene(
 # -- effects -------------------------------------------------------------------------------------
 
 _COMPILED: Final = frozenset(
-    {"splitting", "roulette", "shares", "detector", "map", "ladder", "far-field", "contact"}
+    {
+        "splitting",
+        "roulette",
+        "shares",
+        "detector",
+        "map",
+        "ladder",
+        "far-field",
+        "contact",
+        "acceleration",
+    }
 )
 """Effects that the kernels' text asks for by name; the others show in classes and kinds."""
 

@@ -22,7 +22,7 @@ __all__ = ["in_contact"]
 
 _ROOM: Final = 2.0**-40
 """Distance at which faces count as touching, relative to the elements' size and position."""
-_PAIRS: Final = 2000
+_PAIRS: Final = 300
 """More elements than this are taken to touch, rather than look at every pair."""
 
 

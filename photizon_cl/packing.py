@@ -17,6 +17,7 @@ from hostcode.program import (
     SurfaceKind,
 )
 from photizon_cl.frames import axis_index
+from photizon_cl.tree import build_tree, world_boxes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -91,24 +92,39 @@ def element_classes(
     return tuple(classes.values()), [classes[key] for key in keys]
 
 
-def class_codes(
-    scene: Scene,
-    classes: tuple[ElementClass, ...],
-    class_of: list[ElementClass],
-    surface_number: dict[str, int],
+def element_codes(
+    scene: Scene, class_of: list[ElementClass], surface_number: dict[str, int]
 ) -> list[int]:
-    """Bounds of each class, then the elements' codes class by class."""
-    bounds = [len(classes) + 1]
-    codes: list[int] = []
-    for cls in classes:
-        for n, element in enumerate(scene.element):
-            if class_of[n] is cls:
-                down = cls.axis is not None and axis_index(element.axis) % 2 == 1
-                counted = element.detector is not None
-                kind = surface_number[element.surface.kind]
-                codes.append(n << 32 | counted << 12 | kind << 8 | down << 7 | cls.number)
-        bounds.append(len(classes) + 1 + len(codes))
-    return bounds + codes
+    """Return the elements' codes, see ``kernels/lib/packets.mako``."""
+    codes = []
+    for n, (element, cls) in enumerate(zip(scene.element, class_of, strict=True)):
+        down = cls.axis is not None and axis_index(element.axis) % 2 == 1
+        counted = element.detector is not None
+        kind = surface_number[element.surface.kind]
+        codes.append(n << 32 | counted << 12 | kind << 8 | down << 7 | cls.number)
+    return codes
+
+
+def codes_by_class(codes: list[int], n_classes: int, first: int) -> list[int]:
+    """Return the bounds of each class, then `first` − n_classes − 1 free places, then the codes."""
+    bounds, ordered = [first], []
+    for number in range(n_classes):
+        ordered += [code for code in codes if code & 127 == number]
+        bounds.append(first + len(ordered))
+    return bounds + [0] * (first - len(bounds)) + ordered
+
+
+def add_tree(
+    scene: Scene, shift: Vec3, codes: list[int], n_classes: int, geometry: NDArray[np.float64]
+) -> tuple[list[int], NDArray[np.float64]]:
+    """Return codes and geometry with a tree of boxes, see ``kernels/effects/acceleration.mako``."""
+    nodes, links, order = build_tree(world_boxes(scene.element, shift))
+    table = codes_by_class(codes, n_classes, n_classes + 3)
+    links[links[:, 1] > 0, 0] += len(table)
+    leaves = [codes[n] for n in order]
+    table[n_classes + 1] = len(geometry)
+    table[n_classes + 2] = len(table) + len(leaves)
+    return table + leaves + links.ravel().tolist(), np.concatenate((geometry, nodes.ravel()))
 
 
 def geometry_table(

@@ -12,7 +12,11 @@ _NAMES: Final = (
     "lambertian-sphere",
     "integrating-sphere",
     "ghost-ladder",
+    "cpc-concentrator",
     "box-room",
+    "plano-convex-condenser",
+    "baffled-tube",
+    "square-lightpipe",
 )
 
 _ANCHOR: Final = "Anchor:"

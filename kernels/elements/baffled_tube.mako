@@ -5,7 +5,7 @@
 // Row: 0-2 centre of the entrance, 3 h, 4 h with its rounding bound, 5 h less that bound, 6 L, 7 N,
 // 8 half hole less its rounding bound, 9 rounding bound of a coordinate, 15-23 frame.
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
-                      const scene_t *scene, int careful, mask *doubtful, real *t_out, lint *face_out) {
+                      const scene_t *scene, search_t *search, real *t_out, lint *face_out) {
     const local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
     const mask ours = EQ(WITHOUT_FACE(left), lsplat(code)) & p->alive;
     const lint left_face = FACE_OF(left);
@@ -25,11 +25,11 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
             & LE(fabs(fma(t, r.d${o}, r.${o})), wide)
             & GE(fma(t, r.dz, r.z), low) & LE(fma(t, r.dz, r.z), high);
         const mask starts = on & ok;
-        *doubtful |= starts;
-        if (careful && ANY(starts)) {
+        search->doubtful |= starts;
+        if (search->careful && ANY(starts)) {
             real nx, ny, nz;
             turn_${cls.suffix}(row, splat(${f"{sign}.0" if w == "x" else "0.0"}), splat(${f"{sign}.0" if w == "y" else "0.0"}), splat(0.0), &nx, &ny, &nz);
-            ok &= ~on | crosses(scene, p, WITH_FACE(code, ${n}L), nx, ny, nz, r.d${w} * ${sign}.0, -off * r.d${w});
+            ok &= ~on | crosses(search, p, WITH_FACE(code, ${n}L), nx, ny, nz, r.d${w} * ${sign}.0, -off * r.d${w});
         }
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);
@@ -46,11 +46,11 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         mask ok = p->alive & NE(r.dz, splat(0.0)) & GE(t, splat(0.0)) & ~(ours & EQ(left_face, lsplat(4L + i)))
             & LE(fmax(x, y), wide) & GE(fmax(x, y), row[8] - reach);
         const mask starts = on & ok;
-        *doubtful |= starts;
-        if (careful && ANY(starts)) {
+        search->doubtful |= starts;
+        if (search->careful && ANY(starts)) {
             real nx, ny, nz;
             turn_${cls.suffix}(row, splat(0.0), splat(0.0), splat(1.0), &nx, &ny, &nz);
-            ok &= ~on | crosses(scene, p, WITH_FACE(code, 4L + i), nx, ny, nz, r.dz, -off * r.dz);
+            ok &= ~on | crosses(search, p, WITH_FACE(code, 4L + i), nx, ny, nz, r.dz, -off * r.dz);
         }
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);

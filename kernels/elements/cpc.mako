@@ -33,7 +33,7 @@ FN profile_${cls.suffix} profile_at_${cls.suffix}(__global const double *row, lo
 }
 
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
-                      const scene_t *scene, int careful, mask *doubtful, real *t_out, lint *face_out) {
+                      const scene_t *scene, search_t *search, real *t_out, lint *face_out) {
     local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
     const double scale = row[13];
     r.x *= scale; r.y *= scale; r.z *= scale;
@@ -66,12 +66,12 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const profile_${cls.suffix} start = profile_at_${cls.suffix}(row, r, zero);
     const mask on_wall = ~departed & possible & between
         & LE(fabs(start.f), fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(8.0 * UNIT_ROUNDOFF), splat(row[14])));
-    *doubtful |= on_wall;
+    search->doubtful |= on_wall;
     mask starts = lsplat(0L);
-    if (careful && ANY(on_wall)) {
+    if (search->careful && ANY(on_wall)) {
         real x = p->ox, y = p->oy, z = p->oz, nx = zero, ny = zero, nz = zero;
         normal_${cls.suffix}(scene, lsplat(code), on_wall, x, y, z, &nx, &ny, &nz);
-        starts = on_wall & crosses(scene, p, code, nx, ny, nz, -start.slope, zero);
+        starts = on_wall & crosses(search, p, code, nx, ny, nz, -start.slope, zero);
     }
     possible &= ~on_wall | starts | GT(start.slope, zero);
     const profile_${cls.suffix} enters = profile_at_${cls.suffix}(row, r, first);

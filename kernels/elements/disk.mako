@@ -3,13 +3,13 @@
 // rim counts.
 // reads: row, packet.  gives: distance, whether it is hit, whether that is near the rim.
 FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed, const scene_t *scene,
-                       int careful, mask *doubtful, real *t_out, real *x, real *y, real *fx, real *fy);
+                       search_t *search, real *t_out, real *x, real *y, real *fx, real *fy);
 
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
-                      const scene_t *scene, int careful, mask *doubtful, real *t,
+                      const scene_t *scene, search_t *search, real *t,
                       mask *edge) {
     real x, y, fx, fy;
-    const mask on = flat_${cls.suffix}(row, code, p, departed, scene, careful, doubtful, t, &x, &y, &fx, &fy);
+    const mask on = flat_${cls.suffix}(row, code, p, departed, scene, search, t, &x, &y, &fx, &fy);
     const real bound = fma(fx + fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[3]));
     const real r2 = fma(x, x, y * y);
     const mask ok = on & LE(r2, bound * bound);

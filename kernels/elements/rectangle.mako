@@ -3,13 +3,13 @@
 // rounding bound of an edge counts.
 // reads: row, packet.  gives: distance, whether it is hit, whether that is near an edge.
 FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed, const scene_t *scene,
-                       int careful, mask *doubtful, real *t_out, real *x, real *y, real *fx, real *fy);
+                       search_t *search, real *t_out, real *x, real *y, real *fx, real *fy);
 
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
-                      const scene_t *scene, int careful, mask *doubtful, real *t,
+                      const scene_t *scene, search_t *search, real *t,
                       mask *edge) {
     real x, y, fx, fy;
-    const mask on = flat_${cls.suffix}(row, code, p, departed, scene, careful, doubtful, t, &x, &y, &fx, &fy);
+    const mask on = flat_${cls.suffix}(row, code, p, departed, scene, search, t, &x, &y, &fx, &fy);
     const real ax = fabs(x), ay = fabs(y);
     const mask ok = on & LE(ax, fma(fx, splat(4.0 * UNIT_ROUNDOFF), splat(row[3])))
                        & LE(ay, fma(fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[4])));

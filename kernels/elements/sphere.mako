@@ -1,10 +1,7 @@
-## cls: the element class (axis of the port or None, ported); rendered once a class
-<%
-    names = "xyz"
-%>
+## cls: the element class (.ported); rendered once a class
 // Sphere${", with a port" if cls.ported else ""}.
 // Row: 0-2 centre, 3 radius, 4 1/radius^2, 5 1/radius, 6 height of the port's rim with its rounding
-// bound, 7 rounding bound of |f|^2 - R^2, 8 sign of the axis, 15-23 frame.
+// bound, 7 rounding bound of |f|^2 - R^2, 15-23 frame.
 //
 // With f the origin seen from the centre and b = -f.d: the closest approach is b along the ray at
 // distance |l|, and the roots are b -+ s, s^2 = R^2 - |l|^2.  The larger root in magnitude is taken
@@ -14,19 +11,15 @@
 % if cls.ported:
 FN mask in_port_${cls.suffix}(__global const double *row, real fx, real fy, real fz,
                           real dx, real dy, real dz, real t) {
-% if cls.axis is None:
     __global const double *f = row + ROW_FRAME + 6;
     const real h = dot3(fx, fy, fz, splat(f[0]), splat(f[1]), splat(f[2]));
     const real dh = dot3(dx, dy, dz, splat(f[0]), splat(f[1]), splat(f[2]));
-% else:
-    const real h = f${names[cls.axis]} * row[8], dh = d${names[cls.axis]} * row[8];
-% endif
     return GT(fma(t, dh, h), fma(fabs(h), splat(4.0 * UNIT_ROUNDOFF), splat(row[6])));
 }
 % endif
 
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
-                      const scene_t *scene, int careful, mask *doubtful, real *t_out,
+                      const scene_t *scene, search_t *search, real *t_out,
                       mask *edge) {
     const real fx = p->ox - row[0], fy = p->oy - row[1], fz = p->oz - row[2];
     const real b = -dot3(fx, fy, fz, p->dx, p->dy, p->dz);
@@ -55,10 +48,10 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         real t1 = fmin(q, other), t2 = fmax(q, other);
         mask ok1 = GE(t1, splat(0.0)), ok2 = GE(t2, splat(0.0));
         const mask on_surface = LE(fabs(c), splat(row[7])) & free_lanes;
-        *doubtful |= on_surface;
-        if (careful && ANY(on_surface)) {
+        search->doubtful |= on_surface;
+        if (search->careful && ANY(on_surface)) {
             const real k = splat(row[5]);
-            const mask cross = crosses(scene, p, code, fx * k, fy * k, fz * k, -b, splat(0.0));
+            const mask cross = crosses(search, p, code, fx * k, fy * k, fz * k, -b, splat(0.0));
             const real chord = 2.0 * b;
             t1 = SEL(on_surface, splat(0.0), t1);
             ok1 = SEL(on_surface, cross, ok1);

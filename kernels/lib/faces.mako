@@ -15,12 +15,10 @@ FN void face_normal(const scene_t *scene, lint code, mask m, real x, real y, rea
 //   through to the other side of it than it is on: the side it was on when it came to the face just
 //   left, or, where it came there from this very face without moving, the side it then was on.
 // - Elsewhere (an edge) the sign of the distance decides.
-FN mask crosses(const scene_t *scene, const packet_t *p, long code, real nx, real ny, real nz,
+FN mask crosses(const search_t *search, const packet_t *p, long code, real nx, real ny, real nz,
                 real d_n, real h_d) {
     const mask launched = EQ(p->left, lsplat(NO_FACE));
-    real mx, my, mz;
-    face_normal(scene, p->left >> 2, p->alive & ~launched, p->ox, p->oy, p->oz, &mx, &my, &mz);
-    const real parallel = dot3(nx, ny, nz, mx, my, mz);
+    const real parallel = dot3(nx, ny, nz, search->mx, search->my, search->mz);
     const mask contact = GE(fabs(parallel), splat(1.0 - 0x1p-20));
     mask on_minus = LT(parallel, splat(0.0)) ^ EQ(p->left & 1L, lsplat(0L));
 % if "contact" in effects:

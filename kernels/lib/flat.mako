@@ -10,7 +10,7 @@
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
 // rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.
 FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
-                       const scene_t *scene, int careful, mask *doubtful, real *t_out, real *x, real *y, real *fx, real *fy) {
+                       const scene_t *scene, search_t *search, real *t_out, real *x, real *y, real *fx, real *fy) {
 % if a is None:
     const real vx = p->ox - row[0], vy = p->oy - row[1], vz = p->oz - row[2];
     __global const double *f = row + ROW_FRAME;
@@ -39,14 +39,14 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     *t_out = t;
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
     const mask starts_here = on_plane & ok;
-    *doubtful |= starts_here;
-    if (careful && ANY(starts_here)) {
+    search->doubtful |= starts_here;
+    if (search->careful && ANY(starts_here)) {
 % if a is None:
         const real nx = splat(f[6]), ny = splat(f[7]), nz = splat(f[8]);
 % else:
         const real n${names[a]} = sign, n${names[a1]} = splat(0.0), n${names[a2]} = splat(0.0);
 % endif
-        ok &= ~on_plane | crosses(scene, p, code, nx, ny, nz, dh * sign, h * dh);
+        ok &= ~on_plane | crosses(search, p, code, nx, ny, nz, dh * sign, h * dh);
     }
     return ok;
 }

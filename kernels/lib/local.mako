@@ -1,15 +1,11 @@
-## cls: the element class (axis 0, 1, 2 or None for tilted); rendered once a class
-<%
-    a = cls.axis
-    names = "xyz"
-%>
-// The ray in the element's own frame (u, v, axis), and back.  Axis frames are permutations: exact.
+## cls: the element class; rendered once a class
+// The ray in the element's own frame (u, v, axis), and back.  The matrix of an axis frame holds only
+// zeros and ones, which makes every product and sum exact.
 typedef struct { real x, y, z, dx, dy, dz; } local_${cls.suffix};
 
 FN local_${cls.suffix} to_local_${cls.suffix}(__global const double *row, const packet_t *p) {
     local_${cls.suffix} r;
     const real vx = p->ox - row[0], vy = p->oy - row[1], vz = p->oz - row[2];
-% if a is None:
     __global const double *f = row + ROW_FRAME;
     r.x = dot3(vx, vy, vz, splat(f[0]), splat(f[1]), splat(f[2]));
     r.y = dot3(vx, vy, vz, splat(f[3]), splat(f[4]), splat(f[5]));
@@ -17,17 +13,6 @@ FN local_${cls.suffix} to_local_${cls.suffix}(__global const double *row, const 
     r.dx = dot3(p->dx, p->dy, p->dz, splat(f[0]), splat(f[1]), splat(f[2]));
     r.dy = dot3(p->dx, p->dy, p->dz, splat(f[3]), splat(f[4]), splat(f[5]));
     r.dz = dot3(p->dx, p->dy, p->dz, splat(f[6]), splat(f[7]), splat(f[8]));
-% else:
-<% z, x, y = (names[(a + k) % 3] for k in range(3)) %>
-    // for -a the frame's u and v are swapped
-    const double sign = row[ROW_FRAME + 6 + ${a}];
-    r.x = sign > 0.0 ? v${x} : v${y};
-    r.y = sign > 0.0 ? v${y} : v${x};
-    r.z = v${z} * sign;
-    r.dx = sign > 0.0 ? p->d${x} : p->d${y};
-    r.dy = sign > 0.0 ? p->d${y} : p->d${x};
-    r.dz = p->d${z} * sign;
-% endif
     return r;
 }
 

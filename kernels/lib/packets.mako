@@ -70,5 +70,13 @@ FN luint path_of(const packet_t *p) {
 % endif
 }
 
+// One search for the nearest face: whether this is the careful pass, which lanes need one, and, for
+// that pass, the normal of the face each lane left.
+typedef struct {
+    int careful;
+    mask doubtful;
+    real mx, my, mz;
+} search_t;
+
 // In faces.mako; the elements' functions call it.
-FN mask crosses(const scene_t *scene, const packet_t *p, long code, real nx, real ny, real nz, real d_n, real h_d);
+FN mask crosses(const search_t *search, const packet_t *p, long code, real nx, real ny, real nz, real d_n, real h_d);

@@ -11,7 +11,7 @@ FN bound_${cls.suffix} bound0_${cls.suffix}(__global const double *row, local_${
 FN bound_${cls.suffix} bound1_${cls.suffix}(__global const double *row, local_${cls.suffix} r);
 
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
-                      const scene_t *scene, int careful, mask *doubtful, real *t_out, lint *face_out) {
+                      const scene_t *scene, search_t *search, real *t_out, lint *face_out) {
     const local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
     bound_${cls.suffix} q0 = bound0_${cls.suffix}(row, r);
     bound_${cls.suffix} q1 = bound1_${cls.suffix}(row, r);
@@ -23,16 +23,16 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     // as if it had left that face
     const mask on0 = q0.on & ~ours & LE(q1.lo, splat(0.0)) & GE(q1.hi, splat(0.0)) & p->alive;
     const mask on1 = q1.on & ~ours & ~on0 & LE(q0.lo, splat(0.0)) & GE(q0.hi, splat(0.0)) & p->alive;
-    *doubtful |= on0 | on1;
+    search->doubtful |= on0 | on1;
     mask starts = lsplat(0L);
-    if (careful && ANY(on0 | on1)) {
+    if (search->careful && ANY(on0 | on1)) {
 % for n in (0, 1):
         {
             real nx, ny, nz, x = r.x, y = r.y, z = r.z, wx, wy, wz;
             shape_${cls.suffix}(scene, lsplat(ELEMENT_OF(code) * ROW), lsplat(${n}L), &x, &y, &z, &nx, &ny, &nz);
             turn_${cls.suffix}(row, nx, ny, nz, &wx, &wy, &wz);
             const real d_n = dot3(p->dx, p->dy, p->dz, wx, wy, wz);
-            starts |= on${n} & crosses(scene, p, WITH_FACE(code, ${n}L), wx, wy, wz, d_n, splat(0.0));
+            starts |= on${n} & crosses(search, p, WITH_FACE(code, ${n}L), wx, wy, wz, d_n, splat(0.0));
         }
 % endfor
     }

@@ -1,8 +1,10 @@
 ## the intersection alone, for one ray a lane
-// reads: origins and directions (3 numbers a ray).  writes: distance, element (-1 on a miss), point and
-// outward normal (3 numbers a ray).
-__kernel void probe_stage(SCENE_ARGUMENTS, __global const double *rays, __global double *hits,
-                          __global long *elements, ulong n_rays) {
+// reads: origins and directions (6 numbers a ray); the face each ray left, as the packet's `left`
+// (NO_FACE for a launched ray).
+// writes: distance, point and outward normal (7 numbers a ray); what is hit, as the `left` of a ray
+// that is reflected there, -1 on a miss.
+__kernel void probe_stage(SCENE_ARGUMENTS, __global const double *rays, __global const long *leaves,
+                          __global double *hits, __global long *faces, ulong n_rays) {
     const launch_t settings = open_launch(launch_buffer);
     const scene_t scene = open_scene(geometry, materials, sources, codes);
     uint n;
@@ -10,18 +12,19 @@ __kernel void probe_stage(SCENE_ARGUMENTS, __global const double *rays, __global
     packet_t p;
     clear_packet(&p);
     p.alive = LT(i, lsplat((long)n_rays));
-    const lint at = SEL(p.alive, i, lsplat(0L)) * 6L;
+    const lint ray = SEL(p.alive, i, lsplat(0L)), at = ray * 6L;
     p.ox = gather(rays, at); p.oy = gather(rays + 1, at); p.oz = gather(rays + 2, at);
     p.dx = gather(rays + 3, at); p.dy = gather(rays + 4, at); p.dz = gather(rays + 5, at);
+    p.left = gather_long(leaves, ray);
     hit_t hit;
     contact_t c;
     nearest(&scene, &p, &hit);
     locate(&scene, &p, &hit, &c);
-    const lint element = SEL(hit.found, ELEMENT_OF(hit.code), lsplat(-1L));
+    const lint face = SEL(hit.found, (hit.code << 2) | (c.came_plus & 3L), lsplat(-1L));
 % for l in range(lanes):
     if (${lane("p.alive", l)}) {
         const long k = ${lane("i", l)};
-        elements[k] = ${lane("element", l)};
+        faces[k] = ${lane("face", l)};
         hits[7 * k] = ${lane("hit.t", l)};
         hits[7 * k + 1] = ${lane("c.x", l)};
         hits[7 * k + 2] = ${lane("c.y", l)};

@@ -96,6 +96,11 @@ _ROWS: Final = (
         "a full matrix instead of a permutation",
     ),
     Effect(
+        "acceleration",
+        "a tree of boxes over many elements",
+        "box tests instead of element tests; the plain scan is faster for few elements",
+    ),
+    Effect(
         "contact",
         "elements that touch face to face: which side of each a ray is on between them",
         "one word more a ray",

@@ -92,6 +92,12 @@ class BaffledTube(Element):
         """Distances of the baffles from the entrance in metres."""
         return tuple(self.length * (i + 1) / (self.baffles + 1) for i in range(self.baffles))
 
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        h = self.half_width
+        return (-h, -h, 0.0), (h, h, self.length)
+
     def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
         """Return the sizes with their bounds, see ``kernels/elements/baffled_tube.mako``."""
         rounding = 4.0 * _ROUNDOFF * max(map(abs, centre))

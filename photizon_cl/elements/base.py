@@ -9,7 +9,7 @@ from typing import ClassVar
 from photizon_cl.described import Described, Known, Nested
 from photizon_cl.detectors import Detector
 from photizon_cl.errors import Problem, show
-from photizon_cl.frames import Frame, Vec3, axis_index, frame, to_local
+from photizon_cl.frames import Frame, Vec3, frame, to_local
 from photizon_cl.parameters import declare, point, signed_axis, tilt, unique_name
 from photizon_cl.surfaces import Surface
 
@@ -132,13 +132,18 @@ class Element(Described):
 
     @property
     def class_axis(self) -> int | None:
-        """World axis (0, 1, 2) that the kernels are specialised to; None where it is tilted."""
-        return None if self.tilt_deg != (0.0, 0.0) else axis_index(self.axis) // 2
+        """World axis (0, 1, 2) that its kernel is specialised to; None for the general one."""
+        return None
 
     @property
     @abstractmethod
     def reach(self) -> float:
         """Radius in metres of a ball around `position` that holds the element."""
+
+    @property
+    @abstractmethod
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
 
     @abstractmethod
     def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:

@@ -56,6 +56,12 @@ class Biconvex(Lens):
         """Radius in metres of a ball around the rim's centre that holds it."""
         return self.aperture_radius
 
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        a = self.aperture_radius
+        return (-a, -a, -sag(self.back_radius, a)), (a, a, sag(self.front_radius, a))
+
     def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
         """Return the caps' columns, see ``kernels/elements/biconvex.mako``."""
         a, front, back = self.aperture_radius, self.front_radius, self.back_radius

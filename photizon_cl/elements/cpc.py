@@ -80,6 +80,12 @@ class Cpc(Element):
         """Distance in metres from the centre of the exit to the entrance's rim."""
         return math.hypot(self.entrance_radius, self.length)
 
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        a = self.entrance_radius
+        return (-a, -a, 0.0), (a, a, self.length)
+
     def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
         """Return the profile's coefficients, lengths scaled, see ``kernels/elements/cpc.mako``."""
         scale = math.ldexp(1.0, -math.frexp(self.exit_radius)[1])

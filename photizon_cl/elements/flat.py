@@ -29,6 +29,17 @@ class Flat(Element):
     def half_sizes(self) -> tuple[float, float]:
         """Half extents along u and v in metres."""
 
+    @property
+    def class_axis(self) -> int | None:
+        """World axis of the normal; None where it is tilted."""
+        return None if self.tilt_deg != (0.0, 0.0) else axis_index(self.axis) // 2
+
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        u, v = self.half_sizes
+        return (-u, -v, 0.0), (u, v, 0.0)
+
     def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
         """Return the half sizes with their rounding bounds, see ``kernels/lib/flat.mako``.
 

@@ -53,6 +53,12 @@ class PlanoConvex(Lens):
         """Distance in metres from the centre of the flat face to the farthest point."""
         return self.aperture_radius
 
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        a = self.aperture_radius
+        return (-a, -a, 0.0), (a, a, self.thickness)
+
     def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
         """Return the cap's columns, see ``kernels/elements/plano_convex.mako``."""
         radius, a = self.curvature_radius, self.aperture_radius

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, ClassVar
 from photizon_cl.edges import azimuth_edges, even_edges
 from photizon_cl.elements.base import Element
 from photizon_cl.errors import Problem, show
-from photizon_cl.frames import axis_index
 from photizon_cl.parameters import number, positive_length
 
 if TYPE_CHECKING:
@@ -79,22 +78,22 @@ class Sphere(Element):
         return self.port_fraction > 0.0
 
     @property
-    def class_axis(self) -> int | None:
-        """World axis of the port; None without one, since a whole sphere has no direction."""
-        return super().class_axis if self.ported else None
-
-    @property
     def reach(self) -> float:
         """Its radius in metres."""
         return self.radius
+
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        r = self.radius
+        return (-r, -r, -r), (r, r, r)
 
     def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
         """Return the radius and what follows from it, see ``kernels/elements/sphere.mako``."""
         radius, far = self.radius, max(map(abs, centre))
         rim = radius * self.cos_port + 4.0 * _ROUNDOFF * (radius + far)
         on_surface = 8.0 * _ROUNDOFF * radius * (radius + far)
-        sign = -1.0 if axis_index(self.axis) % 2 else 1.0
-        return (radius, 1.0 / (radius * radius), 1.0 / radius, rim, on_surface, sign)
+        return (radius, 1.0 / (radius * radius), 1.0 / radius, rim, on_surface)
 
     def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
         """Return cosine and sine of the edges in φ, and edges in metres along the axis."""

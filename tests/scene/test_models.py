@@ -49,8 +49,8 @@ def test_every_kind_has_an_effect():
             assert f"{label}.{kind}" in EFFECTS
     words = {name for name in EFFECTS if "." not in name}
     assert words == {
-        "splitting", "roulette", "tilt", "port", "contact", "far-field", "detector", "map",
-        "ladder", "shares",
+        "splitting", "roulette", "tilt", "port", "contact", "acceleration", "far-field", "detector",
+        "map", "ladder", "shares",
     }  # fmt: skip
     assert all(effect.what and effect.costs for effect in EFFECTS.values())
     with pytest.raises(TypeError):

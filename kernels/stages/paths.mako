@@ -1,0 +1,90 @@
+## the trace of a few rays with every segment written down: lanes == 1
+// One work-item follows one launched ray and all its children, depth first, through the functions that
+// the trace runs, and books them in the ledger as the trace does.
+// reads: scene tables, launch.  uses: a queue segment a ray for the children that wait.
+// writes: segments, `counts` (segments of the ray, and 1 where `capacity` cut it short), the tally.
+//
+// A segment: start (3), end (3; the direction where it escapes), weight; path, generation, element (-1
+// where it escapes), the ray's segment that it continues (-1 for a launched ray), whether it begins a
+// line of its own, and how it ends.
+#define GOES_ON 0L
+#define ABSORBED 1L
+#define ESCAPED 2L
+#define CAPPED 3L
+#define KILLED 4L
+#define NOT_FOLLOWED 5L
+__kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __global uint *queue_words,
+                          __global long *queue_longs, __global long *parents,
+                          __global double *segment_reals, __global long *segment_longs,
+                          __global long *counts, ulong first) {
+    const ulong me = get_global_id(0);
+    if (me >= launch_buffer->items) return;
+    const launch_t settings = open_launch(launch_buffer);
+    const launch_t *launch = &settings;
+    const scene_t scene = open_scene(geometry, materials, sources, codes);
+    const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
+    const ulong capacity = launch->record_capacity;
+    __global long *waiting = parents + me * launch->stack_capacity;
+    __global double *reals = segment_reals + 7 * me * capacity;
+    __global long *longs = segment_longs + 6 * me * capacity;
+    ledger_t ledger;
+    open_ledger(&ledger, tally);
+    packet_t p;
+    clear_packet(&p);
+    generate(launch, &scene, 0, (long)(first + me), lsplat(-1L), &p);
+    ulong stack = 0, n = 0;
+    long parent = -1, begins = 1, cut = 0;
+    for (;;) {
+        if (!p.alive) {
+            if (!stack) break;
+            stack--;
+            take_rays(&queue, (long)stack, lsplat(-1L), &p);
+            parent = waiting[stack];
+            begins = 1;
+        }
+        if (n == capacity) {
+            if (!begins) longs[6 * parent + 5] = NOT_FOLLOWED;
+            cut = 1;
+            break;
+        }
+        __global double *real_of = reals + 7 * n;
+        __global long *long_of = longs + 6 * n;
+        real_of[0] = p.ox; real_of[1] = p.oy; real_of[2] = p.oz;
+        real_of[3] = p.dx; real_of[4] = p.dy; real_of[5] = p.dz;
+        real_of[6] = p.w;
+        long_of[0] = (long)path_of(&p);
+        long_of[1] = p.generation;
+        long_of[3] = parent;
+        long_of[4] = begins;
+        hit_t hit;
+        nearest(&scene, &p, &hit);
+        ending_t end;
+        packet_t child;
+        shade(launch, &scene, &p, &hit, &ledger, &end, &child);
+        long ending = ESCAPED;
+        if (hit.found) {
+            real_of[3] = p.ox; real_of[4] = p.oy; real_of[5] = p.oz;
+            ending = p.alive ? GOES_ON : ABSORBED;
+        }
+        long_of[2] = hit.found ? (long)ELEMENT_OF(hit.code) : -1L;
+        const mask went_on = p.alive;
+        survive(launch, &p, &ledger);
+        if (went_on && !p.alive)
+            ending = (ulong)p.generation >= launch->generation_cap ? CAPPED : KILLED;
+        long_of[5] = ending;
+% if "splitting" in effects:
+        survive(launch, &child, &ledger);
+        if (child.alive) {
+            waiting[stack] = (long)n;
+            push_rays(&queue, &stack, child.alive, &child);
+        }
+% endif
+        parent = (long)n;
+        begins = 0;
+        n++;
+    }
+    close_ledger(&ledger);
+    atom_add(tally + (launch->n_elements + ROW_CAPPED) * CELL + 3, sum_lanes(ledger.interactions));
+    counts[2 * me] = (long)n;
+    counts[2 * me + 1] = cut;
+}
