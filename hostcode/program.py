@@ -163,7 +163,7 @@ class ProgramSpec:
             real.append("launched")
         long = ["left"]
         if "contact" in self.effects:
-            long.append("before")
+            long += ["before", "earlier"]
         if "splitting" in self.effects:
             long.append("path")
         word = ("ray_lo", "ray_hi", "generation")

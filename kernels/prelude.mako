@@ -83,8 +83,9 @@ FN lint rank_lanes(mask m, uint *n) {
     return 0;
 }
 % else:
-FN uint count_lanes(mask m) { return (uint)(-__builtin_reduce_add(m)); }
-FN long sum_lanes(lint v) { return __builtin_reduce_add(v); }
+// Written out, since clang 14 (PyPI's PoCL) has no builtin that adds up the lanes.
+FN long sum_lanes(lint v) { return ${" + ".join(lane("v", l) for l in range(lanes))}; }
+FN uint count_lanes(mask m) { return (uint)(-sum_lanes(m)); }
 // Bit l of the result is lane l of m.
 FN uint lane_bits(mask m) {
     const lint bit = (lint)(${", ".join(f"{1 << l}L" for l in range(lanes))});

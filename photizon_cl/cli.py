@@ -49,6 +49,7 @@ def _parser() -> argparse.ArgumentParser:
     check = verb("check", "validate a scene, print its derived geometry and advisories", _check)
     check.add_argument("scene", metavar="SCENE", help=_SCENE)
     _add_run(verb("run", "trace a scene", _run))
+    _add_show(verb("show", "draw a scene with traced ray paths", _show))
     verb("devices", "list every OpenCL device, whether it qualifies, and why not", _devices)
     return parser
 
@@ -71,6 +72,21 @@ def _add_run(run: argparse.ArgumentParser) -> None:
     run.add_argument("--precision", default="fp64", metavar="P", help="fp64")
     run.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
     run.add_argument("--json", action="store_true", help="print the summary as JSON, nothing else")
+
+
+def _add_show(show: argparse.ArgumentParser) -> None:
+    show.add_argument("scene", metavar="SCENE", help=_SCENE)
+    show.add_argument("--rays", type=_integer, default=50, metavar="N", help="rays, default 50")
+    show.add_argument("--seed", type=_integer, metavar="N", help="random stream, 0 to 2^64 - 1")
+    show.add_argument(
+        "--by", choices=("generation", "weight"), default="generation", help="what colours the rays"
+    )
+    show.add_argument(
+        "--device", metavar="D", help="number, type or part of a name, see `photizon devices`"
+    )
+    show.add_argument(
+        "--out", metavar="FILE", help="a .png, .svg or .pdf file; default NAME.png, here"
+    )
 
 
 def _integer(text: str) -> int:
@@ -109,6 +125,12 @@ def _devices(arguments: argparse.Namespace) -> int:
     from photizon_cl.cli_show import print_devices
 
     return print_devices()
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    from photizon_cl.cli_draw import draw
+
+    return draw(arguments)
 
 
 def _run(arguments: argparse.Namespace) -> int:

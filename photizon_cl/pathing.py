@@ -36,8 +36,6 @@ ENDINGS: Final = ("goes on", "absorbed", "escaped", "depth-capped", "roulette", 
 
 _ESCAPED: Final = ENDINGS.index("escaped")
 _MOST_SEGMENTS: Final = 2**20
-_MOST_ROOM: Final = 2**24
-"""Segments that a call may make room for: a drawing with more is black."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,11 +219,6 @@ def paths(
     loaded = load(scene)
     n_rays = _whole("rays", rays, max(len(loaded.source), 1), MAX_RAYS_PER_BATCH)
     most = _whole("max_segments", max_segments, 1, _MOST_SEGMENTS)
-    if n_rays * most > _MOST_ROOM:
-        raise ArgumentError(
-            f"rays, max_segments: found {n_rays} and {most}, expected a product of at most "
-            f"{_MOST_ROOM} (room is made for every segment); lower one of the two"
-        )
     as_run = _as_run(loaded, rays_per_batch=n_rays, seed=seed, generation_cap=generation_cap)
     length = _size(as_run) / 2.0 if escape_length is None else escape_length
     if not (isinstance(length, int | float) and 0.0 < length < math.inf):

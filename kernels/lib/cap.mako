@@ -19,8 +19,13 @@ FN mask cap_interval(real x, real y, real z, real dx, real dy, real dz, double s
     sum = next;
 % endfor
     const real c = sum + carry;
-    const real bb = b * b;
-    const real discriminant = (bb - c) + fma(b, b, -bb);
+    // b^2 - c is the same at every point of the ray.  Far from the rim both are as large as the
+    // square of the distance, so it is taken at the point nearest to the rim's centre instead.
+    const real near = -dot3(x, y, z, dx, dy, dz);
+    const real nx = fma(near, dx, x), ny = fma(near, dy, y), nz = fma(near, dz, z);
+    const real nb = fma(dz, splat(s * h), dot3(nx, ny, nz, dx, dy, dz)), bb = nb * nb;
+    const real nc = fma(nx, nx, fma(ny, ny, fma(nz, nz + 2.0 * s * h, splat(-a * a))));
+    const real discriminant = (bb - nc) + fma(nb, nb, -bb);
     const real root = sqrt(fmax(discriminant, splat(0.0)));
     // t = -b -+ root; q is the one of larger magnitude, the other is c / q
     const real q = -(b + copysign(root, b));

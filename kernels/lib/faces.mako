@@ -13,7 +13,8 @@ FN void face_normal(const scene_t *scene, lint code, mask m, real x, real y, rea
 // - A launched ray leaves every face it starts on.
 // - Where the face just left is parallel (faces in contact), the ray hits this one only if it goes
 //   through to the other side of it than it is on: the side it was on when it came to the face just
-//   left, or, where it came there from this very face without moving, the side it then was on.
+//   left, or, where it left this very face and has not moved since, the side it then was on.  The
+//   last three faces left are remembered: up to three may lie in one place.
 // - Elsewhere (an edge) the sign of the distance decides.
 FN mask crosses(const search_t *search, const packet_t *p, long code, real nx, real ny, real nz,
                 real d_n, real h_d) {
@@ -22,8 +23,9 @@ FN mask crosses(const search_t *search, const packet_t *p, long code, real nx, r
     const mask contact = GE(fabs(parallel), splat(1.0 - 0x1p-20));
     mask on_minus = LT(parallel, splat(0.0)) ^ EQ(p->left & 1L, lsplat(0L));
 % if "contact" in effects:
-    const mask from_here = EQ(p->before >> 2, lsplat(code));
-    on_minus = SEL(from_here, EQ(p->before & 2L, lsplat(0L)), on_minus);
+% for memory in ("earlier", "before"):
+    on_minus = SEL(EQ(p->${memory} >> 2, lsplat(code)), EQ(p->${memory} & 2L, lsplat(0L)), on_minus);
+% endfor
 % endif
     const mask goes_minus = LT(d_n, splat(0.0));
     return ~launched & SEL(contact, on_minus ^ goes_minus, LE(h_d, splat(0.0)));

@@ -5,7 +5,8 @@
 %>
 // ${cls.kind}, ${"tilted" if a is None else "perpendicular to " + names[a]}.
 // Row: 0-2 centre, 3-4 half sizes with their rounding bound, 5-6 half sizes less that bound,
-// 7 rounding bound of the plane, 8 sign of the normal along its axis, 15-23 frame.
+// 7 rounding bound of the plane, 8 sign of the normal along its axis, 9 what a tilted plane adds to
+// that for each metre from its centre, 15-23 frame.
 //
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
 // rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.

@@ -36,6 +36,7 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
     p->left = SEL(m, lsplat(NO_FACE), p->left);
 % if "contact" in effects:
     p->before = SEL(m, lsplat(NO_FACE), p->before);
+    p->earlier = SEL(m, lsplat(NO_FACE), p->earlier);
 % endif
     p->ray_lo = SELW(m, lo, p->ray_lo);
     p->ray_hi = SELW(m, hi, p->ray_hi);

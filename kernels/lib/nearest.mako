@@ -1,6 +1,8 @@
-## classes: every element class of the program; effects
+## lanes; classes: every element class of the program; effects
 // The nearest face ahead of every live lane.  Where two are equally near, the element named first
-// in the file is hit.
+// in the file is hit.  Where the edge of one ends on the other they differ by rounding alone, and the
+// one met at its edge is hit: the hit is put back within that edge, so it is on the right side of the
+// other (`key` is the distance that decides).
 //
 // A ray that starts on a face it did not leave is doubtful: `crosses` must say whether it hits that
 // face.  That is rare and slow, so the first pass only finds out whether any lane is doubtful, and a
@@ -15,7 +17,17 @@
             const mask ok = hit_${cls.suffix}(row, code, p, EQ(left, lsplat(code)), scene, search, &t, &edge);
             const lint hit_code = lsplat(code);
 % endif
-            const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & LT(hit_code, h->code)));
+% if cls.flat:
+            const real key = SEL(edge, t - (fabs(p->ox) + fabs(p->oy) + fabs(p->oz) + fabs(t)) * (32.0 * UNIT_ROUNDOFF), t);
+% else:
+            const real key = t;
+% endif
+            const mask closer = ok & SEL(EQ(t, h->t), LT(hit_code, h->code), LT(key, search->key));
+            search->key = SEL(closer, key, search->key);
+% if lanes == 1:
+            // a branch that is rarely taken beats four conditional moves
+            if (!closer) continue;
+% endif
             h->t = SEL(closer, t, h->t);
             h->code = SEL(closer, hit_code, h->code);
 % if cls.flat:
@@ -84,6 +96,7 @@ FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
         }
         search.doubtful = lsplat(0L);
         h->t = splat(INFINITY);
+        search.key = splat(INFINITY);
         h->code = lsplat(LONG_MAX);
         h->plane = splat(0.0);
         h->edge = lsplat(0L);

@@ -5,14 +5,15 @@ ${launch_struct}
 ${item_struct}
 
 // A ray in every lane.  Weights are relative to the heaviest launched ray of the scene.
-// left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
+// left: the face this ray left, as code << 2 | (now on the + side) << 1 | (reached from the + side),
 // or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
-// before: what it left before that, where the last segment had no length (faces in contact).
+// before, earlier: what it left before that, where the last segments had no length (faces in
+// contact; no face twice).
 typedef struct {
     real ox, oy, oz, dx, dy, dz, w;
     lint left;
 % if "contact" in effects:
-    lint before;
+    lint before, earlier;
 % endif
     word ray_lo, ray_hi, generation;
 % if "splitting" in effects:
@@ -71,11 +72,11 @@ FN luint path_of(const packet_t *p) {
 }
 
 // One search for the nearest face: whether this is the careful pass, which lanes need one, and, for
-// that pass, the normal of the face each lane left.
+// that pass, the normal of the face each lane left; and the distance that the best hit is ranked by.
 typedef struct {
     int careful;
     mask doubtful;
-    real mx, my, mz;
+    real mx, my, mz, key;
 } search_t;
 
 // In faces.mako; the elements' functions call it.

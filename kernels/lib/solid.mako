@@ -19,12 +19,13 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const mask left0 = ours & EQ(FACE_OF(left), lsplat(0L));
     const mask left1 = ours & ~left0;
     const mask inside = ours & EQ(p->left & 2L, lsplat(0L));
-    // the origin on a face that was not left: decided by `crosses`, and if it is not hit the ray is
-    // as if it had left that face
-    const mask on0 = q0.on & ~ours & LE(q1.lo, splat(0.0)) & GE(q1.hi, splat(0.0)) & p->alive;
-    const mask on1 = q1.on & ~ours & ~on0 & LE(q0.lo, splat(0.0)) & GE(q0.hi, splat(0.0)) & p->alive;
+    // the origin on faces that were not left: decided by `crosses`, and if it is not hit the ray is
+    // as if it had left them
+    const mask within0 = q0.on | (LE(q0.lo, splat(0.0)) & GE(q0.hi, splat(0.0)));
+    const mask within1 = q1.on | (LE(q1.lo, splat(0.0)) & GE(q1.hi, splat(0.0)));
+    const mask on0 = q0.on & within1 & ~ours & p->alive, on1 = q1.on & within0 & ~ours & p->alive;
     search->doubtful |= on0 | on1;
-    mask starts = lsplat(0L);
+    mask starts0 = lsplat(0L), starts1 = lsplat(0L);
     if (search->careful && ANY(on0 | on1)) {
 % for n in (0, 1):
         {
@@ -32,25 +33,32 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
             shape_${cls.suffix}(scene, lsplat(ELEMENT_OF(code) * ROW), lsplat(${n}L), &x, &y, &z, &nx, &ny, &nz);
             turn_${cls.suffix}(row, nx, ny, nz, &wx, &wy, &wz);
             const real d_n = dot3(p->dx, p->dy, p->dz, wx, wy, wz);
-            starts |= on${n} & crosses(search, p, WITH_FACE(code, ${n}L), wx, wy, wz, d_n, splat(0.0));
+            // at an edge a ray that goes in hits the face, one that goes out leaves it behind
+            starts${n} = on${n} & crosses(search, p, WITH_FACE(code, ${n}L), wx, wy, wz, d_n, d_n);
         }
 % endfor
     }
     const mask begins0 = left0 | on0, begins1 = left1 | on1;
-    const mask goes_in = SEL(ours, inside, SEL(on0, q0.in, q1.in));
+    const mask goes_in = SEL(ours, inside, (q0.in | ~on0) & (q1.in | ~on1));
     const real out0 = SEL(begins0, q0.back, SEL(inside, fmax(q0.hi, splat(0.0)), q0.hi));
     const real out1 = SEL(begins1, q1.back, SEL(inside, fmax(q1.hi, splat(0.0)), q1.hi));
     const real in0 = SEL(begins0, splat(0.0), q0.lo), in1 = SEL(begins1, splat(0.0), q1.lo);
     const real enter = fmax(in0, in1), leave = fmin(out0, out1);
     const lint enter_face = SEL(GE(in0, in1), lsplat(0L), lsplat(1L));
     const lint leave_face = SEL(LE(out0, out1), lsplat(0L), lsplat(1L));
+    // Where the faces meet at a small angle the rounding of `enter` and `leave` hides which is
+    // larger long before the ray is at the rim: there its distance from the axis decides.
+    const real near = fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(4.0 * UNIT_ROUNDOFF), splat(row[7]));
+    const real rx = fma(enter, r.dx, r.x), ry = fma(enter, r.dy, r.y), rim = near + row[3];
+    const mask meets = LE(enter, leave + near / fabs(r.dz)) & LE(fma(rx, rx, ry * ry), rim * rim);
     const mask begins = begins0 | begins1;
     const mask from_outside = ~begins & GE(enter, splat(0.0));
     real t = SEL(from_outside, enter, leave);
     lint face = SEL(from_outside, enter_face, leave_face);
-    mask ok = SEL(begins, goes_in, LE(enter, leave)) & GE(t, splat(0.0));
+    mask ok = SEL(begins, goes_in, SEL(from_outside, meets, LE(enter, leave))) & GE(t, splat(0.0));
+    const mask starts = starts0 | starts1;
     t = SEL(starts, splat(0.0), t);
-    face = SEL(starts, SEL(on0, lsplat(0L), lsplat(1L)), face);
+    face = SEL(starts, SEL(starts0, lsplat(0L), lsplat(1L)), face);
     ok |= starts;
     *t_out = t;
     *face_out = face;

@@ -19,10 +19,16 @@ FN mask meet_fresnel(mask lanes, const packet_t *p, const contact_t *c,
     const real dn = dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz);
     const real ci = fmin(fabs(dn), splat(1.0));
     const real mci = m * ci;
-    const real ct2 = fma(mci, mci, k);
+    // the refracted ray's part along the face, before it is scaled by m
+    const real sx = fma(-dn, c->nx, p->dx), sy = fma(-dn, c->ny, p->dy), sz = fma(-dn, c->nz, p->dz);
+    const real mm = m * m;
+    // into a much thinner medium m^2 ci^2 and k are large and cancel, and so do 1 and ci^2; the sine
+    // from the part along the face does not
+    const mask thinner = GT(mm, splat(2.0));
+    const real sin2 = SEL(thinner, dot3(sx, sy, sz, sx, sy, sz), fma(-ci, ci, splat(1.0)));
+    const real ct2 = SEL(thinner, fma(-mm, sin2, splat(1.0)), fma(mci, mci, k));
     const real ct = sqrt(fmax(ct2, splat(0.0)));
     const real a = mci + ct, b = fma(m, ct, ci);
-    const real sin2 = fma(-ci, ci, splat(1.0));
     const real rs = k / (a * a);
     const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);
     const real whole = fmin(0.5 * fma(rs, rs, rp * rp), splat(1.0));
@@ -35,9 +41,7 @@ FN mask meet_fresnel(mask lanes, const packet_t *p, const contact_t *c,
     renormalise(&x, &y, &z);
     // refracted: m (d - (d.n) n) + sign(d.n) ct n
     const real g = copysign(ct, dn);
-    real tx = fma(m, fma(-dn, c->nx, p->dx), g * c->nx);
-    real ty = fma(m, fma(-dn, c->ny, p->dy), g * c->ny);
-    real tz = fma(m, fma(-dn, c->nz, p->dz), g * c->nz);
+    real tx = fma(m, sx, g * c->nx), ty = fma(m, sy, g * c->ny), tz = fma(m, sz, g * c->nz);
     renormalise(&tx, &ty, &tz);
     const mask reflects = total | LE(wt, splat(0.0));
     *dx = SEL(lanes, SEL(reflects, x, tx), *dx);

@@ -152,7 +152,8 @@ class Element(Described):
         Parameters
         ----------
         centre : tuple of float
-            `position` in the device's coordinates, in metres.
+            Size of each coordinate of `position`, in the world's or the device's coordinates,
+            whichever is larger, in metres: what rounding bounds follow.
         axis : int or None
             World axis that its kernel is specialised to; None for the general one.
         """

@@ -51,11 +51,15 @@ class Flat(Element):
         # for +a the frame's u is world axis a + 1; for -a it is a + 2
         if axis is not None and axis_index(self.axis) % 2 == 1:
             half = (half[1], half[0])
-        outer = [h + 4.0 * _ROUNDOFF * (h + far) for h in half]
-        inner = [h - 2.0 * _ROUNDOFF * (h + far) for h in half]
+        # A tilted face's coordinates are sums of products with a rounded frame. A point put back
+        # within `inner` lies on the right side of a face that shares the edge, whatever rounding.
+        grows, shrinks = (4.0, 2.0) if axis is not None else (8.0, 16.0)
+        outer = [h + grows * _ROUNDOFF * (h + far) for h in half]
+        inner = [h - shrinks * _ROUNDOFF * (h + far) for h in half]
         plane = far if axis is None else abs(centre[axis])
         sign = -1.0 if axis_index(self.axis) % 2 else 1.0
-        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign)
+        # a tilted plane's rounding grows with the distance from its centre
+        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign, 4.0 * _ROUNDOFF)
 
     def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
         """Return edges in metres along u and along v over the bounding rectangle."""

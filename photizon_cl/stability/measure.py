@@ -1,0 +1,154 @@
+"""Runs cases through the kernels of the trace and counts their errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hostcode.probe import LEFT_PLUS, NO_FACE, element_of, face_of, probe_faces
+from photizon_cl.compile import compile_scene
+from photizon_cl.scene import Scene
+from photizon_cl.settings import RunSettings
+from photizon_cl.sources import IsotropicPoint
+from photizon_cl.stability.digits import DIGITS, UNIT, add, load_mpmath, norm, vector
+from photizon_cl.stability.oracle import FIRM, judge
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from hostcode.device import OpenDevice
+    from photizon_cl.compile import CompiledScene
+    from photizon_cl.elements import Element
+    from photizon_cl.stability.case import Case, Left
+    from photizon_cl.stability.oracle import Candidate
+
+__all__ = ["Measured", "compile_elements", "measure", "state_of"]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A case's outcome.
+
+    Parameters
+    ----------
+    label : str
+        The case's.
+    firm : bool
+        Whether it had just one right answer.
+    right : bool
+        Whether the decision was among the right ones.
+    errors : dict of str to float
+        Errors in units of u·K by output; empty where there is nothing to compare.
+    condition : float
+        Largest K of its outputs relative to their size.
+    note : str
+        What went wrong, empty where nothing did.
+    """
+
+    label: str
+    firm: bool
+    right: bool
+    errors: dict[str, float] = field(default_factory=dict)
+    condition: float = 1.0
+    note: str = ""
+
+    @property
+    def worst(self) -> float:
+        """Largest error, 0 where there is none."""
+        return max(self.errors.values(), default=0.0)
+
+
+def compile_elements(elements: Sequence[Element]) -> CompiledScene:
+    """Compile a scene of some elements, with a source that nobody uses."""
+    source = IsotropicPoint(name="unused", flux=1.0, position=elements[0].position)
+    scene = Scene(name="stability", source=(source,), element=tuple(elements))
+    return compile_scene(scene, RunSettings())
+
+
+def state_of(compiled: CompiledScene, left: Left | None) -> int:
+    """Return the packet's state of a ray that was reflected at a face, or that was launched."""
+    if left is None:
+        return NO_FACE
+    codes = compiled.tables.codes
+    n_classes = len(compiled.tables.spec.classes)
+    first, last = int(codes[0]), int(codes[n_classes])
+    code = next(int(c) for c in codes[first:last] if c >> 32 == left.element)
+    return (code | left.face << 16) << 2 | (LEFT_PLUS + 1) * left.plus
+
+
+def measure(device: OpenDevice, cases: Iterable[Case], lanes: int = 1) -> list[Measured]:
+    """Probe cases and compare them with the oracle; those of one scene go together.
+
+    Parameters
+    ----------
+    device : OpenDevice
+        Where.
+    cases : iterable of Case
+        What.
+    lanes : int
+        Lane width; changes no bit.
+    """
+    scenes: dict[tuple[Element, ...], list[Case]] = {}
+    for case in cases:
+        scenes.setdefault(case.elements, []).append(case)
+    found = []
+    for elements, members in scenes.items():
+        compiled = compile_elements(elements)
+        shift = np.array(compiled.shift)
+        rays = np.array([[*np.subtract(c.origin, shift), *c.direction] for c in members])
+        left = np.array([state_of(compiled, c.left) for c in members], np.int64)
+        hits, states = probe_faces(device, compiled.tables, rays, lanes, left)
+        hits[:, 1:4] += shift
+        numbers, faces = element_of(states), face_of(states)
+        for case, hit, n, face in zip(members, hits, numbers, faces, strict=True):
+            found.append(_compare(case, hit, int(n), int(face)))
+    return found
+
+
+def _compare(case: Case, hit: NDArray[np.float64], element: int, face: int) -> Measured:
+    mp = load_mpmath()
+    with mp.workdps(DIGITS):
+        verdict = judge(case)
+        if element < 0:
+            right = verdict.may_miss and np.isinf(hit[0])
+            note = "" if right else f"missed, not {_named(verdict.candidates)}"
+            return Measured(case.label, verdict.firm, right, note=note)
+        if np.isnan(hit).any():
+            return Measured(case.label, verdict.firm, False, note="NaN")
+        same = [c for c in verdict.candidates if (c.element, c.face) == (element, face)]
+        # two faces may be one and the same surface: both caps of a whole ball
+        others = [c for c in verdict.candidates if c.element == element and c not in same]
+        same += [c for c in others if max(_errors(c, hit)[0].values()) <= FIRM]
+        if not same:
+            note = f"hit {element}.{face} at {hit[0]:.17g}, not {_named(verdict.candidates)}"
+            return Measured(case.label, verdict.firm, False, note=note)
+        best = min(same, key=lambda c: abs(c.distance - mp.mpf(float(hit[0]))))
+        if not best.smooth:
+            return Measured(case.label, verdict.firm, True)
+        errors, condition = _errors(best, hit)
+        return Measured(case.label, verdict.firm, True, errors, condition)
+
+
+def _named(candidates: list[Candidate]) -> str:
+    listed = [f"{c.element}.{c.face} at {float(c.distance):.17g}" for c in candidates]
+    return " or ".join(listed) or "a miss"
+
+
+def _errors(best: Candidate, hit: NDArray[np.float64]) -> tuple[dict[str, float], float]:
+    mpf = load_mpmath().mpf
+
+    def ulps(error: Any, k: Any) -> float:
+        return float(error / (UNIT * k)) if k else float(error > 0)
+
+    errors = {
+        "distance": ulps(abs(mpf(float(hit[0])) - best.distance), best.k_distance),
+        "point": ulps(norm(add(vector(hit[1:4]), -1, best.point)), best.k_point),
+        "normal": ulps(norm(add(vector(hit[4:7]), -1, best.normal)), best.k_normal),
+    }
+    relative = [best.k_normal]
+    relative += [best.k_distance / abs(best.distance)] if best.distance else []
+    return errors, float(max(relative))

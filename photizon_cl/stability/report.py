@@ -1,0 +1,192 @@
+"""The stability report: one table over all families, and a figure."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from photizon_cl.stability import families, families_local, families_mixed
+from photizon_cl.stability.case import Case
+from photizon_cl.stability.fresnel import measure_fresnel
+from photizon_cl.stability.measure import Measured, measure
+from photizon_cl.stability.oracle import FIRM
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from os import PathLike
+
+    from hostcode.device import OpenDevice
+
+__all__ = ["BOUND", "FAMILIES", "Row", "stability_report", "table", "write_figure"]
+
+BOUND: Final = 8.0
+"""Largest error allowed, in units of u·K."""
+
+FAMILIES: Final[dict[str, Callable[[], Iterator[Case]]]] = {
+    "sphere, tangent": families.sphere_tangent,
+    "sphere, far and near": families.sphere_near_far,
+    "sphere, origin on it": families.sphere_surface,
+    "sphere, chord": families.sphere_chord,
+    "sphere, port rim": families.sphere_port,
+    "flat, near-parallel": families.flat_grazing,
+    "flat, edge": families.flat_edge,
+    "flat, tilt": families.flat_tilt,
+    "cpc, inside": families_local.cpc_inside,
+    "cpc, outside": families_local.cpc_outside,
+    "cpc, rims": families_local.cpc_rims,
+    "cpc, origin on it": families_local.cpc_wall,
+    "tube, holes": families_local.tube_holes,
+    "tube, corners": families_local.tube_corners,
+    "lens, shapes": families_local.lens_shapes,
+    "lens, rim": families_local.lens_rim,
+    "lens, tangent": families_local.lens_tangent,
+    "lens, inside": families_local.lens_inside,
+    "nearly coincident": families_mixed.nearly_coincident,
+    "touching": families_mixed.touching,
+    "shared edges": families_mixed.shared_edges,
+    "shared rims": families_mixed.shared_rims,
+}
+"""Families of rays; `fresnel` comes besides."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A family's outcome.
+
+    Parameters
+    ----------
+    family : str
+        Its name.
+    measured : tuple of Measured
+        Every case.
+    seconds : float
+        Time that its cases and the oracle took.
+    """
+
+    family: str
+    measured: tuple[Measured, ...]
+    seconds: float
+
+    @property
+    def cases(self) -> int:
+        """Number of cases."""
+        return len(self.measured)
+
+    @property
+    def firm(self) -> int:
+        """Cases with just one right decision."""
+        return sum(m.firm for m in self.measured)
+
+    @property
+    def wrong(self) -> tuple[Measured, ...]:
+        """Cases whose decision was not among the right ones, or whose answer was not a number."""
+        return tuple(m for m in self.measured if not m.right)
+
+    @property
+    def worst(self) -> float:
+        """Largest error in units of u·K."""
+        return max(m.worst for m in self.measured)
+
+    @property
+    def worst_case(self) -> Measured:
+        """The case with the largest error."""
+        return max(self.measured, key=lambda m: m.worst)
+
+    @property
+    def condition(self) -> float:
+        """Largest condition number."""
+        return max(m.condition for m in self.measured)
+
+    @property
+    def passed(self) -> bool:
+        """Whether no decision is wrong and no error beyond the bound."""
+        return not self.wrong and self.worst <= BOUND
+
+
+def stability_report(device: OpenDevice, only: Sequence[str] = ()) -> list[Row]:
+    """Measure the families.
+
+    Parameters
+    ----------
+    device : OpenDevice
+        Where.
+    only : sequence of str, optional
+        Names of families; default all of them.
+
+    Raises
+    ------
+    RunError
+        Where mpmath is not installed.
+    """
+    rows = []
+    for name in (*FAMILIES, "fresnel"):
+        if only and name not in only:
+            continue
+        started = time.perf_counter()
+        found = measure(device, FAMILIES[name]()) if name in FAMILIES else measure_fresnel(device)
+        rows.append(Row(name, tuple(found), time.perf_counter() - started))
+    return rows
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Return the report as text."""
+    head = (f"{'family':22} {'cases':>6} {'firm':>6} {'wrong':>6} {'worst ulps':>11} {'bound':>6} "
+            f"{'condition':>10}  worst case")  # fmt: skip
+    lines = [head, "-" * len(head)]
+    for row in rows:
+        mark = "" if row.passed else "  FAILED"
+        lines.append(
+            f"{row.family:22} {row.cases:6d} {row.firm:6d} {len(row.wrong):6d} {row.worst:11.2f} "
+            f"{BOUND:6.0f} {row.condition:10.1e}  {row.worst_case.label}{mark}"
+        )
+        lines += [f"    wrong: {m.label}: {m.note}" for m in row.wrong[:5]]
+    total, wrong = sum(r.cases for r in rows), sum(len(r.wrong) for r in rows)
+    worst = max((r.worst for r in rows), default=0.0)
+    lines.append(f"{'all':22} {total:6d} {sum(r.firm for r in rows):6d} {wrong:6d} {worst:11.2f}")
+    lines += [
+        "",
+        "ulps: error / (u K), the largest of distance, point and normal (Fresnel: weights and "
+        "directions);",
+        "u = 2^-53 and K = sum of |d output / d input| * |input| + |output|, over the case's own "
+        "doubles: an",
+        "exact solution of inputs that are each one unit roundoff off has at most 1. condition: the "
+        "largest K",
+        f"relative to its output. firm: no inputs within {FIRM:.0f} such roundoffs change what is "
+        "hit; elsewhere any",
+        "answer that they give is right. wrong: a decision that is not among the right ones, or "
+        "not a number.",
+    ]
+    return "\n".join(lines)
+
+
+def write_figure(rows: Sequence[Row], path: str | PathLike[str]) -> None:
+    """Draw every case's error by family.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The report.
+    path : path
+        Where the figure goes; its suffix says the format.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.0, 6.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    for x, row in enumerate(rows):
+        errors = sorted(max(m.worst, 1e-3) for m in row.measured if m.errors)
+        across = [x - 0.35 + 0.7 * k / max(len(errors) - 1, 1) for k in range(len(errors))]
+        axes.plot(across, errors, ".", markersize=3, color="tab:blue")
+        axes.plot([x - 0.35, x + 0.35], [row.worst] * 2, color="tab:orange", linewidth=1.5)
+    axes.axhline(BOUND, color="tab:red", linewidth=1.0, label=f"bound, {BOUND:g}")
+    axes.set_yscale("log")
+    axes.set_xticks(range(len(rows)), [row.family for row in rows], rotation=60, ha="right")
+    axes.set_ylabel("error / (u K): ulps of a backward-stable solution")
+    axes.set_title("Hard cases against 60-digit arithmetic; each point is a case, cases sorted by error")
+    axes.grid(axis="y", alpha=0.3)
+    axes.legend(loc="upper left")
+    figure.savefig(path, dpi=150)

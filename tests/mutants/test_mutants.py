@@ -1,0 +1,334 @@
+"""Engines broken on purpose: for each defect the gate that exists for it must fail.
+
+A mutant is a change of a template's text. Each gate passes on the engine as it is (the tests in
+``exact`` and ``statistical`` say so; it is asserted here once more) and fails on its mutants.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pytest
+from oracles import chance, gates, kernels
+from oracles.scenes import matt
+
+from hostcode import program, templates
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A defect: texts replaced in one template, and the gate that must notice."""
+
+    name: str
+    template: str
+    changes: tuple[tuple[str, str], ...]
+    gate: Callable[[], object]
+
+
+def scatter() -> None:
+    chance.lambertian_scatter(rays=1 << 15)
+
+
+def tilted_scatter() -> None:
+    chance.lambertian_scatter("-x", "back", rays=1 << 15)
+
+
+def furnace() -> None:
+    gates.closed_cube(matt(), rays=4096, cap=40)
+
+
+def roulette() -> None:
+    chance.roulette_is_unbiased()
+
+
+def ghosts() -> None:
+    gates.ghost_ladder(rays=64)
+
+
+def sphere() -> None:
+    chance.integrating_sphere(rays=1 << 14, batches=32, sigma=1e-3)
+
+
+def isotropic() -> None:
+    chance.source_directions("isotropic-point", rays=1 << 15)
+
+
+def cosine_source() -> None:
+    chance.source_directions("cosine-point", "-y", rays=1 << 15)
+
+
+def disk_source() -> None:
+    chance.disk_positions("collimated-disk", rays=1 << 14)
+
+
+def reference() -> None:
+    gates.reference_agrees(4)
+
+
+def cap() -> None:
+    gates.generation_cap(7)
+
+
+MUTANTS = (
+    Mutant(
+        "scatter without the cosine",
+        "surfaces/lambertian.mako",
+        (("sqrt(u)", "sqrt(u * (2.0 - u))"), ("sqrt(1.0 - u)", "1.0 - u")),
+        scatter,
+    ),
+    Mutant(
+        "scatter with cosine and sine swapped (the same law from another draw)",
+        "surfaces/lambertian.mako",
+        (("sqrt(u)", "sqrt(1.0 - u) "), (", sqrt(1.0 - u), &x", ", sqrt(u), &x")),
+        reference,
+    ),
+    Mutant(
+        "scatter about the normal, not the side that was hit",
+        "surfaces/lambertian.mako",
+        (("splat(-1.0))", "splat(1.0))"),),
+        tilted_scatter,
+    ),
+    Mutant(
+        "scatter over a half circle only",
+        "surfaces/lambertian.mako",
+        (("sincos_turns(v,", "sincos_turns(0.5 * v,"),),
+        scatter,
+    ),
+    Mutant(
+        "roulette survives 45 times in 100",
+        "effects/roulette.mako",
+        (("LT(u, splat(0.5))", "LT(u, splat(0.45))"),),
+        roulette,
+    ),
+    Mutant(
+        "what roulette adds is not booked",
+        "effects/roulette.mako",
+        (("image_difference(twice, before)", "image_difference(before, before)"),),
+        gates.busy_room_closes,
+    ),
+    Mutant(
+        "Fresnel reflectance counted twice",
+        "surfaces/fresnel.mako",
+        (("0.5 * fma(rs, rs, rp * rp)", "fma(rs, rs, rp * rp)"),),
+        ghosts,
+    ),
+    Mutant(
+        "transmitted light keeps the reflected share",
+        "surfaces/fresnel.mako",
+        (("wt = p->w - wr", "wt = p->w"),),
+        gates.busy_room_closes,
+    ),
+    Mutant(
+        "refraction as from the other side",
+        "surfaces/fresnel.mako",
+        (("SEL(c->came_plus, m_plus, m_minus)", "SEL(c->came_plus, m_minus, m_plus)"),),
+        reference,
+    ),
+    Mutant(
+        "reflected child lost",
+        "surfaces/fresnel.mako",
+        (("return lanes & ~reflects & GT(wr, splat(0.0))", "return lsplat(0L)"),),
+        gates.busy_room_closes,
+    ),
+    Mutant(
+        "decision left out of the counter",
+        "lib/philox.mako",
+        (("(decision << 16)", "0u"),),
+        gates.counter_layout,
+    ),
+    Mutant(
+        "generation left out of the counter",
+        "lib/philox.mako",
+        (("word c3 = generation |", "word c3 = 0u |"),),
+        gates.counter_layout,
+    ),
+    Mutant(
+        "every bounce of a ray draws the same numbers (correlated streams)",
+        "lib/philox.mako",
+        (("word c3 = generation |", "word c3 = 0u |"),),
+        reference,
+    ),
+    Mutant(
+        "ray number cut to 32 bits",
+        "lib/philox.mako",
+        (("word c1 = ray_hi |", "word c1 = 0u |"),),
+        gates.counter_layout,
+    ),
+    Mutant(
+        "siblings share a counter",
+        "lib/philox.mako",
+        (("(p << 1) | (ulong)side", "(p << 1)"),),
+        gates.paths_are_unique,
+    ),
+    Mutant(
+        "siblings share a counter beyond 54 splits",
+        "lib/philox.mako",
+        (("((1UL << 55) - 1UL)) | (ulong)side", "((1UL << 55) - 1UL))"),),
+        lambda: gates.paths_are_unique(2**54, 6),
+    ),
+    Mutant(
+        "nine rounds of Philox",
+        "lib/philox.mako",
+        (("range(10)", "range(9)"),),
+        gates.counter_layout,
+    ),
+    Mutant(
+        "uniforms in (0, 1]",
+        "lib/philox.mako",
+        (("TO_REAL(lo >> 11)", "TO_REAL((lo >> 11) + 1u)"),),
+        gates.unit_interval,
+    ),
+    Mutant(
+        "isotropic in theta instead of cos theta",
+        "sources/isotropic_point.mako",
+        (("fma(splat(-2.0), u, splat(1.0))", "fma(splat(-2.0), u, splat(1.0)) * u"),),
+        isotropic,
+    ),
+    Mutant(
+        "cosine source without the cosine",
+        "sources/cosine_point.mako",
+        (("sqrt(u)", "sqrt(u * (2.0 - u))"), ("sqrt(1.0 - u)", "1.0 - u")),
+        cosine_source,
+    ),
+    Mutant(
+        "disk source bright in the middle",
+        "sources/collimated_disk.mako",
+        (("sqrt(pu)", "pu"),),
+        disk_source,
+    ),
+    Mutant(
+        "every source's rays weigh the same",
+        "lib/generate.mako",
+        (("splat(source[4])", "splat(1.0)"),),
+        gates.shares_are_unbiased,
+    ),
+    Mutant(
+        "a launched ray hits the face it starts on",
+        "lib/faces.mako",
+        (("return ~launched & ", "return launched | "),),
+        gates.launched_rays_leave_their_face,
+    ),
+    Mutant(
+        "of equal distances the last named is hit",
+        "lib/nearest.mako",
+        (("LT(hit_code, h->code)", "GT(hit_code, h->code)"),),
+        gates.first_named_is_hit,
+    ),
+    Mutant(
+        "faces in contact are never crossed",
+        "lib/faces.mako",
+        (("return ~launched & ", "return lsplat(0L) & "),),
+        gates.contact_behind_glass,
+    ),
+    Mutant(
+        "edges are open",
+        "elements/rectangle.mako",
+        (("splat(row[3])))", "splat(row[3]))) & LT(ax, splat(row[5]))"),),
+        gates.edges_hold,
+    ),
+    Mutant(
+        "rims are open",
+        "elements/disk.mako",
+        (("LE(r2, bound * bound)", "LT(r2, splat(row[5] * row[5]))"),),
+        gates.edges_hold,
+    ),
+    Mutant(
+        "far field off by one bin",
+        "effects/far_field.mako",
+        (("n_phi + i)", "n_phi + (i + 1) % (int)launch->n_phi)"),),
+        gates.far_field_bins,
+    ),
+    Mutant(
+        "detector counts both sides",
+        "detectors/detector.mako",
+        (("if ((tag & 1u) != (uint)d[0]) return;", ""),),
+        gates.one_sided_detectors,
+    ),
+    Mutant(
+        "ladder off by one generation",
+        "detectors/detector.mako",
+        (("min((long)generation,", "min((long)generation + 1,"),),
+        ghosts,
+    ),
+    Mutant(
+        "depth-capped row dropped",
+        "lib/shade.mako",
+        (("book_row(launch, ledger, ROW_CAPPED, capped, image_of(p->w));", ""),),
+        gates.busy_room_closes,
+    ),
+    Mutant(
+        "one interaction too many",
+        "lib/shade.mako",
+        (("GE(TO_LINT(p->generation)", "GT(TO_LINT(p->generation)"),),
+        cap,
+    ),
+    Mutant(
+        "mirror without loss",
+        "surfaces/mirror.mako",
+        (("p->w * reflectance", "p->w"),),
+        gates.periscope,
+    ),
+    Mutant(
+        "floating-point sums in the map",
+        "lib/cells.mako",
+        (("const double s = w *", "*(__global double *)cell += w; return; const double s = w *"),),
+        gates.order_does_not_matter,
+    ),
+    Mutant(
+        "chord of a sphere too short",
+        "elements/sphere.mako",
+        (("real t = 2.0 * fabs(b);", "real t = 1.5 * fabs(b);"),),
+        sphere,
+    ),
+    Mutant(
+        "port on the other side",
+        "elements/sphere.mako",
+        (("return GT(fma(t, dh, h)", "return GT(-fma(t, dh, h)"),),
+        lambda: gates.preset_agrees("integrating-sphere"),
+    ),
+)  # fmt: skip
+
+
+def _clear() -> None:
+    templates._template.cache_clear()
+    kernels._program.cache_clear()
+
+
+@pytest.fixture
+def engine(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[Mutant], None]]:
+    """Return a function that breaks the engine until the test ends."""
+
+    def break_it(mutant: Mutant) -> None:
+        whole = templates._with_line_directives
+
+        def changed(name: str, text: str) -> str:
+            if name == mutant.template:
+                for old, new in mutant.changes:
+                    assert old in text, f"{name} no longer holds {old!r}: mend the mutant"
+                    text = text.replace(old, new)
+            return whole(name, text)
+
+        monkeypatch.setattr(templates, "_with_line_directives", changed)
+        monkeypatch.setattr(program, "_CACHE", {})
+        _clear()
+
+    yield break_it
+    monkeypatch.undo()
+    _clear()
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda m: m.name)
+def test_gate_catches(mutant: Mutant, engine: Callable[[Mutant], None]) -> None:
+    mutant.gate()
+    engine(mutant)
+    with pytest.raises(AssertionError):
+        mutant.gate()
+
+
+def test_the_engine_is_whole_again_after_a_mutant() -> None:
+    gates.counter_layout()
+    gates.first_named_is_hit()

@@ -1,0 +1,85 @@
+"""Small test kernels around the production libraries."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hostcode.program import OPTIONS, program_source
+from hostcode.templates import lane, render
+from oracles.engine import open_device
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hostcode.device import OpenDevice
+    from hostcode.program import ProgramSpec
+
+LIBRARIES = ("prelude", "lib/philox", "lib/elementary", "lib/vectors", "lib/limbs")
+
+
+def library_text(lanes: int, names: tuple[str, ...], effects: frozenset[str]) -> str:
+    """Return the rendered libraries."""
+    context: dict[str, Any] = {
+        "lanes": lanes,
+        "lane": lambda value, number: lane(value, number, lanes),
+        "effects": effects,
+        "private_tallies": False,
+    }
+    return "".join(render(f"{name}.mako", **context) for name in names)
+
+
+@cache
+def _program(device: OpenDevice, text: str) -> Any:
+    import pyopencl as cl
+
+    return cl.Program(device.context, text).build(options=list(OPTIONS))
+
+
+def run_text(
+    body: str,
+    arguments: list[NDArray[Any] | np.generic],
+    elements: int,
+    *,
+    lanes: int = 1,
+    libraries: tuple[str, ...] = LIBRARIES,
+    effects: frozenset[str] = frozenset(),
+    spec: ProgramSpec | None = None,
+    device: OpenDevice | None = None,
+) -> list[NDArray[Any]]:
+    """Run kernel ``test`` of a text behind the libraries; return its arrays as they are afterwards.
+
+    With a `spec` the whole program of a scene stands before the text instead of some libraries.
+
+    In the text ``LOAD(p, item)`` and ``STORE(v, p, item)`` read and write one lane value.
+    """
+    import pyopencl as cl
+
+    device = device or open_device()
+    if lanes == 1:
+        access = "#define LOAD(p, i) ((p)[i])\n#define STORE(v, p, i) ((p)[i] = (v))\n"
+    else:
+        access = f"#define LOAD(p, i) vload{lanes}(i, p)\n"
+        access += f"#define STORE(v, p, i) vstore{lanes}(v, i, p)\n"
+    if spec is None:
+        before = library_text(lanes, libraries, effects)
+    else:
+        before = program_source(spec.for_device(lanes, ("wave",)))
+    program = _program(device, before + access + body)
+    flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
+    passed, read = [], []
+    for argument in arguments:
+        if isinstance(argument, np.ndarray):
+            content = np.ascontiguousarray(argument)
+            buffer = cl.Buffer(device.context, flags, hostbuf=content)
+            read.append((buffer, np.empty_like(content)))
+            passed.append(buffer)
+        else:
+            passed.append(argument)
+    kernel = cl.Kernel(program, "test")
+    kernel(device.queue, (elements // lanes,), (1,), *passed)
+    for buffer, result in read:
+        cl.enqueue_copy(device.queue, result, buffer)
+    return [result for _, result in read]

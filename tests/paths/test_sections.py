@@ -1,0 +1,111 @@
+"""Sections lie on the elements and in the plane; what is open stays open."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import photizon_cl as pz
+from photizon_cl.sections import cut, edges, facets
+
+BLACK = pz.Absorber()
+TILTS = [(0.0, 0.0), (25.0, -40.0), (90.0, 0.0)]
+
+
+def elements(tilt=(0.0, 0.0), axis="+z"):
+    common = {"position": (0.3, -0.2, 0.1), "axis": axis, "tilt_deg": tilt, "surface": BLACK}
+    return [
+        pz.Rectangle(name="rectangle", half_width=0.5, half_height=0.2, **common),
+        pz.Disk(name="disk", radius=0.4, **common),
+        pz.Sphere(name="sphere", radius=0.5, **common),
+        pz.Sphere(name="ported", radius=0.5, port_fraction=0.2, **common),
+        pz.Cpc(name="cpc", exit_radius=0.1, acceptance_deg=25.0, **common),
+        pz.BaffledTube(
+            name="tube", half_width=0.2, length=1.0, baffles=2, clear_half_width=0.1, **common
+        ),
+        pz.PlanoConvex(name="plano", curvature_radius=0.5, aperture_radius=0.3, **common),
+        pz.PlanoConvex(name="half", curvature_radius=0.5, aperture_radius=0.5, **common),
+        pz.Biconvex(
+            name="biconvex", front_radius=0.5, back_radius=0.8, aperture_radius=0.3, **common
+        ),
+    ]
+
+
+NAMES = [element.name for element in elements()]
+
+
+@pytest.mark.parametrize("tilt", TILTS, ids=str)
+@pytest.mark.parametrize("number", range(len(NAMES)), ids=NAMES)
+def test_curves_lie_on_the_element_and_in_the_plane(number, tilt):
+    element = elements(tilt, "-y")[number]
+    found = 0
+    for axis in range(3):
+        for at in element.position[axis] + np.linspace(-0.9, 0.9, 13):
+            for line in cut(element, axis, float(at)):
+                found += 1
+                assert len(line) >= 2
+                assert np.abs(line[:, axis] - at).max() < 1e-12
+                for point in line[:: max(len(line) // 60, 1)]:
+                    assert element.touches(element.local(tuple(point)), 1e-9)
+    assert found > 3
+
+
+@pytest.mark.parametrize("number", range(len(NAMES)), ids=NAMES)
+def test_edges_and_facets_lie_on_the_element(number):
+    element = elements((25.0, -40.0))[number]
+    for line in (*edges(element), *facets(element)):
+        for point in line:
+            assert element.touches(element.local(tuple(point)), 1e-9)
+
+
+def by_name(name):
+    return elements()[NAMES.index(name)]
+
+
+def test_a_whole_sphere_gives_closed_circles():
+    sphere = by_name("sphere")
+    (line,) = cut(sphere, 0, 0.6)
+    radius = math.sqrt(0.25 - 0.09)
+    assert np.linalg.norm(line - [0.6, -0.2, 0.1], axis=1) == pytest.approx(radius, rel=1e-9)
+    assert line[0] == pytest.approx(line[-1])
+    assert len(cut(sphere, 0, 0.81)) == 0
+    (level,) = cut(sphere, 2, 0.1)
+    assert np.linalg.norm(level - sphere.position, axis=1) == pytest.approx(0.5)
+
+
+def test_the_port_is_open():
+    (line,) = cut(by_name("ported"), 0, 0.3)
+    top = 0.1 + 0.5 * 0.6
+    assert line[:, 2].max() == pytest.approx(top)
+    assert line[[0, -1], 2] == pytest.approx(top)  # both ends on the rim, and nothing between
+    assert np.linalg.norm(line[0] - line[-1]) == pytest.approx(2 * 0.5 * 0.8)
+
+
+def test_the_holes_are_open():
+    lines = cut(by_name("tube"), 0, 0.3)
+    walls = [line for line in lines if np.ptp(line[:, 2]) > 0.5]
+    plates = [line for line in lines if np.ptp(line[:, 2]) < 1e-12]
+    assert (len(walls), len(plates)) == (2, 4)
+    for line in plates:
+        assert sorted(np.abs(line[:, 1] + 0.2)) == pytest.approx([0.1, 0.2])
+    # beside the hole a plate is whole
+    beside = cut(by_name("tube"), 0, 0.45)
+    assert len([line for line in beside if np.ptp(line[:, 2]) < 1e-12]) == 2
+
+
+def test_a_cpc_is_two_curves_and_open_at_its_ends():
+    cpc = by_name("cpc")
+    lines = cut(cpc, 1, -0.2)
+    assert len(lines) == 2
+    for line in lines:
+        r = np.abs(line[:, 0] - 0.3)
+        assert r.min() == pytest.approx(cpc.exit_radius)
+        assert r.max() == pytest.approx(cpc.entrance_radius)
+
+
+def test_a_flat_face_in_the_plane_gives_its_rim():
+    (line,) = cut(by_name("rectangle"), 2, 0.1)
+    assert len(line) == 5
+    assert len(cut(by_name("tube"), 2, 0.1 + 1.0 / 3.0)) >= 2

@@ -1,0 +1,19 @@
+"""What holds for every preset."""
+
+from __future__ import annotations
+
+import pytest
+
+import photizon_cl as pz
+from photizon_cl.presets import preset_names, presets
+
+
+def test_there_are_nine_each_with_an_anchor():
+    assert len(preset_names()) == len(presets()) == 9
+    assert all(any(c.isdigit() for c in entry.anchor) for entry in presets())
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_ledgers_close(name):
+    result = pz.trace(name, batches=2, rays_per_batch=2048)
+    assert abs(result.ledger.closure) <= 1e-15 * result.ledger.emitted.value
