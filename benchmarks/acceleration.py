@@ -1,9 +1,10 @@
 """What the tree of boxes costs and gains: ``python -m benchmarks.acceleration``.
 
-Random scenes of all seven element kinds, 10 to 10^5 of them, traced through the tree and (up to 10^4)
-by the plain scan, in turn. Prints the time of a segment (a search for the nearest hit), the ratio, the
-seconds to compile the scene and the memory of its tables; fits the growth of a segment's time; finds
-the number of elements from which the tree is faster; draws the figure where --figure names a file.
+Random scenes of all seven element kinds, up to 10^5 of them, traced through the tree and (up to
+10^4) by the plain scan, in turn. Prints the time of a segment (a search for the nearest hit), the
+ratio, the seconds to compile the scene and the memory of its tables; fits the growth of a segment's
+time; finds the number of elements from which the tree is faster; draws the figure where --figure
+names a file.
 """
 
 from __future__ import annotations

@@ -141,7 +141,9 @@ def draw(rows: list[tuple[float, ...]], path: Path) -> None:
         angle, other, "s", markersize=10, markerfacecolor="none", markeredgecolor="#e69f00",
         markeredgewidth=1.2, label="reference tracer (focus and directrix)", zorder=2,
     )  # fmt: skip
-    above.plot(angle, target, "x", color="#000000", markersize=6, label="earlier three-digit values")
+    above.plot(
+        angle, target, "x", color="#000000", markersize=6, label="earlier three-digit values"
+    )
     above.set_ylabel("transmission", fontsize=9)
     above.legend(frameon=False, fontsize=8.5, loc="lower left")
     above.set_title(

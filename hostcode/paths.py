@@ -126,5 +126,5 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
         found.append((ray, reals[used], wholes[used], counts[:, 1] > 0))
         behind += len(ray)
     cl.enqueue_copy(device.queue, cells, tally)
-    joined = [np.concatenate(parts) for parts in zip(*found, strict=True)]
-    return RawPaths(*joined, cells=canonical(cells))
+    ray, reals, wholes, cut = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return RawPaths(ray, reals, wholes, cut, canonical(cells))

@@ -163,6 +163,7 @@ class ProgramSpec:
             real.append("launched")
         long = ["left"]
         if "contact" in self.effects:
+            real += ["came_x", "came_y", "came_z"]
             long += ["before", "earlier"]
         if "splitting" in self.effects:
             long.append("path")

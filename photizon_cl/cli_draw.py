@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["FORMATS", "draw"]
 
 FORMATS: Final = (".png", ".svg", ".pdf")
-_DPI: Final = 200
+_DPI: Final = 150
 
 
 def draw(arguments: argparse.Namespace) -> int:
@@ -42,9 +42,9 @@ def draw(arguments: argparse.Namespace) -> int:
     figure = draw_scene(found, arguments.by)
     # Nothing of the moment goes into the file: the same scene gives the same drawing.
     kind = path.suffix.lower()[1:]
-    metadata: dict[str, str | None] = {"png": {"Software": "photizon_cl"}}.get(
-        kind, {"Date" if kind == "svg" else "CreationDate": None}
-    )
+    metadata: dict[str, str | None] = {"Date" if kind == "svg" else "CreationDate": None}
+    if kind == "png":
+        metadata = {"Software": "photizon_cl"}
     try:
         figure.savefig(path, format=kind, dpi=_DPI, metadata=metadata)
     except OSError as error:
@@ -53,5 +53,7 @@ def draw(arguments: argparse.Namespace) -> int:
     screen = console()
     for text in found.advisories:
         screen.print(paragraph(f"advisory: {text}", ""), soft_wrap=True)
-    screen.print(f"{len(found)} segments of {arguments.rays} rays, written to {path}", soft_wrap=True)
+    screen.print(
+        f"{len(found)} segments of {arguments.rays} rays, written to {path}", soft_wrap=True
+    )
     return 0

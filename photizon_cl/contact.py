@@ -1,20 +1,25 @@
-"""Whether elements of a scene touch face to face.
+"""Whether elements of a scene touch or cross otherwise than along the edges they share.
 
-Where they do, a ray between two faces has no room to show which side of each it is on, and the
-kernels must remember it (effect ``contact``). Saying yes too often costs a word a ray; saying no
-where faces touch would lose light, so every test here has room for rounding.
+Where they do, the rounding of a hit point can put it on either side of the other face, and the
+kernels must remember which side a ray is on (effect ``contact``). Saying yes too often costs five
+words a ray; saying no where faces touch could lose light, so every test here has room for rounding.
 """
 
 from __future__ import annotations
 
 import math
-from itertools import combinations
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from photizon_cl.elements import Sphere
+from photizon_cl.tree import world_boxes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from photizon_cl.elements import Element
 
@@ -27,33 +32,54 @@ _PAIRS: Final = 300
 
 
 def in_contact(elements: Sequence[Element]) -> bool:
-    """Say whether any two elements may touch face to face."""
+    """Say whether any two elements may touch or cross otherwise than along shared edges."""
     if len(elements) > _PAIRS:
         return True
-    return any(_touch(a, b) for a, b in combinations(elements, 2))
-
-
-def _touch(a: Element, b: Element) -> bool:
-    offset = [q - p for p, q in zip(a.position, b.position, strict=True)]
-    scale = max(a.reach, b.reach, *map(abs, a.position), *map(abs, b.position))
-    room = _ROOM * scale
-    distance = math.hypot(*offset)
-    if distance > a.reach + b.reach + room:
+    if len(elements) < 2:
         return False
+    boxes = world_boxes(elements, (0.0, 0.0, 0.0))
+    room = _ROOM * float(np.max(np.abs(boxes)))
+    return any(
+        _meet(boxes[i], boxes[j], room) and _touch(elements[i], elements[j], room)
+        for i, j in combinations(range(len(elements)), 2)
+    )
+
+
+def _meet(a: NDArray[np.float64], b: NDArray[np.float64], room: float) -> bool:
+    return bool((a[:3] <= b[3:] + room).all() and (b[:3] <= a[3:] + room).all())
+
+
+def _touch(a: Element, b: Element, room: float) -> bool:
     if a.flat and b.flat:
-        normal, other = a.frame[2], b.frame[2]
-        parallel = abs(sum(p * q for p, q in zip(normal, other, strict=True)))
-        apart = abs(sum(p * q for p, q in zip(normal, offset, strict=True)))
-        # a small angle between them moves a face by no more than its reach times that angle
-        return parallel >= 1.0 - 2.0**-18 and apart <= room + 0.01 * b.reach
+        low_a, high_a = _heights(a, b)
+        low_b, high_b = _heights(b, a)
+        flush = max(high_a, -low_a, high_b, -low_b) <= room
+        across = (low_a < -room and high_a > room) or (low_b < -room and high_b > room)
+        # each on one side of the other: they meet along an edge of both, unless they are flush
+        return flush or across
     if isinstance(a, Sphere) and isinstance(b, Sphere):
-        return (
-            abs(distance - (a.radius + b.radius)) <= room
-            or abs(distance - abs(a.radius - b.radius)) <= room
-        )
-    if isinstance(b, Sphere) and a.flat:
-        apart = abs(sum(p * q for p, q in zip(a.frame[2], offset, strict=True)))
-        return abs(apart - b.radius) <= room
+        distance = math.dist(a.position, b.position)
+        return abs(a.radius - b.radius) - room <= distance <= a.radius + b.radius + room
     if isinstance(a, Sphere) and b.flat:
-        return _touch(b, a)
+        a, b = b, a
+    if isinstance(b, Sphere) and a.flat:
+        offset = np.subtract(b.position, a.position)
+        apart = abs(float(np.dot(a.frame[2], offset)))
+        farthest = max(math.dist(corner, b.position) for corner in _corners(a))
+        return apart <= b.radius + room and farthest >= b.radius - room
     return True
+
+
+def _corners(element: Element) -> list[tuple[float, float, float]]:
+    """Corners of the box around an element in its own frame, in world coordinates."""
+    frame = np.array(element.frame)
+    local = [np.array(c) for c in product(*zip(*element.local_box, strict=True))]
+    x = [element.position + c @ frame for c in local]
+    return [(float(p[0]), float(p[1]), float(p[2])) for p in x]
+
+
+def _heights(flat: Element, other: Element) -> tuple[float, float]:
+    """Lowest and highest corner of another element over the plane of a flat one, in metres."""
+    normal, origin = np.array(flat.frame[2]), np.array(flat.position)
+    heights = [float(np.dot(normal, np.array(c) - origin)) for c in _corners(other)]
+    return min(heights), max(heights)

@@ -150,7 +150,7 @@ class Paths:
     @property
     def escaped(self) -> NDArray[np.bool_]:
         """Which segments leave the scene."""
-        return self.ending == _ESCAPED
+        return np.asarray(self.ending == _ESCAPED)
 
     @property
     def advisories(self) -> list[str]:

@@ -17,7 +17,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
+    Line3DCollection,
+    Poly3DCollection,
+)
 
 from photizon_cl.scene_view import (
     FAINTEST,
@@ -103,8 +106,8 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
             made.set_ticks(list(range(int(bar.norm.vmax or 0) + 1)))
         made.ax.minorticks_off()
     title = _plain(scene.title or scene.name)
-    # The strips for title, legend and notes are set aside by hand: they are never in each other's way.
-    figure.get_layout_engine().set(rect=(0.0, 0.32 / height, 1.0, 1.0 - 1.0 / height))  # type: ignore[call-arg,union-attr]
+    # Strips for title, legend and notes are set aside by hand, so that none is in another's way.
+    figure.get_layout_engine().set(rect=(0.0, 0.32 / height, 1.0, 1.0 - 1.0 / height), h_pad=0.09)  # type: ignore[call-arg,union-attr]
     figure.text(0.01, 1.0 - 0.13 / height, title, fontsize=13, weight="bold", color=_INK, va="top")
     legend = figure.legend(
         handles=_legend(scene), loc="upper left", bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
@@ -204,7 +207,7 @@ def _draw_section(
     rim = [line[:, pair] * scale for element in scene.element for line in edges(element)]
     axes.add_collection(LineCollection(rim, colors=_FAINT, linewidths=0.6, zorder=1.0))
     ends = np.stack([rays.start[:, pair], rays.end[:, pair]], axis=1) * scale
-    axes.add_collection(LineCollection(ends, colors=colours, linewidths=0.8, zorder=2.0))
+    axes.add_collection(LineCollection(list(ends), colors=colours, linewidths=0.8, zorder=2.0))
     for element in scene.element:
         colour = _colour(element)
         for line in cut(element, across, float(box.centre[across])):
@@ -223,10 +226,10 @@ def _draw_section(
     axes.tick_params(labelsize=8)
     at = box.centre[across] * scale
     title = f"{_NAMES[min(h, v)]}{_NAMES[max(h, v)]} section at {_NAMES[across]} = {at:.4g}"
-    title = title.replace("-", "−") + f" {box.unit}"  # noqa: RUF001
+    title = title.replace("-", "−") + f" {box.unit}"
     ratio = float(box.extent[h] / box.extent[v])
     if max(ratio, 1.0 / ratio) <= _LONG:
-        axes.set_aspect("equal")
+        axes.set_aspect("equal", anchor="W")
     else:
         title += ", axes not to one scale"
     axes.set_title(title, fontsize=9.5, loc="left", color=_INK)

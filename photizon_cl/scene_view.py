@@ -79,7 +79,7 @@ def bounding_box(scene: Scene) -> Box:
 
 
 def source_outline(source: Source) -> list[NDArray[np.float64]]:
-    """Return the lines that show a source's size, shape (k, 3), in metres; one point for a point."""
+    """Return the lines that show a source's size, shape (k, 3), in metres; a point for a point."""
     at = np.array(source.position)
     if not source.packed():
         return [at[np.newaxis]]
@@ -140,4 +140,4 @@ def _way_out(
     with np.errstate(divide="ignore", invalid="ignore"):
         to_faces = np.maximum((box.low - start) / along, (box.high - start) / along)
     steps = np.where(along != 0.0, to_faces, np.inf).min(axis=1, initial=np.inf)
-    return along * np.maximum(steps, 0.0)[:, np.newaxis]
+    return np.asarray(along * np.maximum(steps, 0.0)[:, np.newaxis])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -111,7 +112,7 @@ def facets(element: Element) -> list[Line]:
         r, z = part.profile(np.linspace(0.0, 1.0, 17))
         turn = np.linspace(0.0, 2.0 * np.pi, 37)
         for k in range(len(r) - 1):
-            for a, b in zip(turn, turn[1:], strict=False):
+            for a, b in pairwise(turn):
                 corners = [(r[k], a, z[k]), (r[k], b, z[k]), (r[k + 1], b, z[k + 1])]
                 corners.append((r[k + 1], a, z[k + 1]))
                 out.append(np.array([(q * math.cos(t), q * math.sin(t), h) for q, t, h in corners]))
@@ -191,7 +192,7 @@ def _tube(element: BaffledTube) -> list[_Face | _Revolved]:
     h, length = element.half_width, element.length
     corners = _rectangle(h, h, 0.0)
     out: list[_Face | _Revolved] = []
-    for a, b in zip(corners, corners[1:], strict=False):
+    for a, b in pairwise(corners):
         end = np.array([0.0, 0.0, length])
         out.append(_Face(np.array([a, b, b + end, a + end, a])))
     clear = element.clear_half_width or 0.0

@@ -1,8 +1,6 @@
 ## lanes; classes: every element class of the program; effects
 // The nearest face ahead of every live lane.  Where two are equally near, the element named first
-// in the file is hit.  Where the edge of one ends on the other they differ by rounding alone, and the
-// one met at its edge is hit: the hit is put back within that edge, so it is on the right side of the
-// other (`key` is the distance that decides).
+// in the file is hit.
 //
 // A ray that starts on a face it did not leave is doubtful: `crosses` must say whether it hits that
 // face.  That is rare and slow, so the first pass only finds out whether any lane is doubtful, and a
@@ -17,13 +15,7 @@
             const mask ok = hit_${cls.suffix}(row, code, p, EQ(left, lsplat(code)), scene, search, &t, &edge);
             const lint hit_code = lsplat(code);
 % endif
-% if cls.flat:
-            const real key = SEL(edge, t - (fabs(p->ox) + fabs(p->oy) + fabs(p->oz) + fabs(t)) * (32.0 * UNIT_ROUNDOFF), t);
-% else:
-            const real key = t;
-% endif
-            const mask closer = ok & SEL(EQ(t, h->t), LT(hit_code, h->code), LT(key, search->key));
-            search->key = SEL(closer, key, search->key);
+            const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & LT(hit_code, h->code)));
 % if lanes == 1:
             // a branch that is rarely taken beats four conditional moves
             if (!closer) continue;
@@ -88,15 +80,9 @@ ${test_element(cls)}
 FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
     const lint left = p->left >> 2;
     search_t search;
-    search.mx = splat(0.0); search.my = splat(0.0); search.mz = splat(0.0);
     for (search.careful = 0; search.careful < 2; search.careful++) {
-        if (search.careful) {
-            const mask started = p->alive & NE(p->left, lsplat(NO_FACE));
-            face_normal(scene, left, started, p->ox, p->oy, p->oz, &search.mx, &search.my, &search.mz);
-        }
         search.doubtful = lsplat(0L);
         h->t = splat(INFINITY);
-        search.key = splat(INFINITY);
         h->code = lsplat(LONG_MAX);
         h->plane = splat(0.0);
         h->edge = lsplat(0L);

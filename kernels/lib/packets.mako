@@ -5,15 +5,16 @@ ${launch_struct}
 ${item_struct}
 
 // A ray in every lane.  Weights are relative to the heaviest launched ray of the scene.
-// left: the face this ray left, as code << 2 | (now on the + side) << 1 | (reached from the + side),
+// left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
 // or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
-// before, earlier: what it left before that, where the last segments had no length (faces in
-// contact; no face twice).
+// before: what it left before that; earlier: and before that, where the last segment had no length
+// (faces in contact; no face twice).  came: direction of the last segment that had a length.
 typedef struct {
     real ox, oy, oz, dx, dy, dz, w;
     lint left;
 % if "contact" in effects:
     lint before, earlier;
+    real came_x, came_y, came_z;
 % endif
     word ray_lo, ray_hi, generation;
 % if "splitting" in effects:
@@ -72,11 +73,11 @@ FN luint path_of(const packet_t *p) {
 }
 
 // One search for the nearest face: whether this is the careful pass, which lanes need one, and, for
-// that pass, the normal of the face each lane left; and the distance that the best hit is ranked by.
+// that pass, the normal of the face each lane left.
 typedef struct {
     int careful;
     mask doubtful;
-    real mx, my, mz, key;
+    real mx, my, mz;
 } search_t;
 
 // In faces.mako; the elements' functions call it.

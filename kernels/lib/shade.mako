@@ -95,24 +95,16 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     end->generation = p->generation;
 % endif
 
-    mask arrived_plus = c.came_plus;
-% if "contact" in effects:
-    const mask stayed = p->alive & EQ(h->t, splat(0.0));
-    if (ANY(stayed)) {
-        // between faces in contact: the side all of them were reached from
-        real mx, my, mz;
-        face_normal(scene, p->left >> 2, stayed, c.x, c.y, c.z, &mx, &my, &mz);
-        const real parallel = dot3(c.nx, c.ny, c.nz, mx, my, mz);
-        const mask in_contact = stayed & GE(fabs(parallel), splat(1.0 - 0x1p-20));
-        const mask from_plus = NE(p->left & 1L, lsplat(0L)) ^ LT(parallel, splat(0.0));
-        arrived_plus = SEL(in_contact, from_plus, arrived_plus);
-    }
-% endif
-    const lint face = (h->code << 2) | (arrived_plus & 1L);
+    const lint face = (h->code << 2) | (c.came_plus & 1L);
     p->generation += 1u;
 % if "contact" in effects:
+    // a segment no longer than the rounding of its ends has no direction to speak of
+    const mask stayed = LE(h->t, (fabs(p->ox) + fabs(p->oy) + fabs(p->oz)) * (16.0 * UNIT_ROUNDOFF));
+    p->came_x = SEL(stayed, p->came_x, p->dx);
+    p->came_y = SEL(stayed, p->came_y, p->dy);
+    p->came_z = SEL(stayed, p->came_z, p->dz);
     p->earlier = SEL(stayed, SEL(EQ(p->before >> 2, h->code), p->earlier, p->before), lsplat(NO_FACE));
-    p->before = SEL(stayed, p->left, lsplat(NO_FACE));
+    p->before = p->left;
 % endif
 % if "splitting" in effects:
     *child = *p;

@@ -102,8 +102,8 @@ _ROWS: Final = (
     ),
     Effect(
         "contact",
-        "elements that touch face to face: which side of each a ray is on between them",
-        "one word more a ray",
+        "elements that touch or cross: which side of each a ray is on",
+        "five words more a ray",
     ),
     Effect("port", "spheres with an opening", "a test of each root of a sphere"),
     Effect(

@@ -35,8 +35,7 @@ def room(low: Sequence[float], high: Sequence[float], tilt: tuple[float, float] 
     low, high : sequence of float
         Opposite corners in metres, in the tilted frame of ``+z``.
     tilt : tuple of float, optional
-        Turn of the whole box about world x or about world y, in degrees. Two walls then keep their
-        planes and cannot turn in them; they are made larger, and the others end on them.
+        Turn of the whole box about world x or about world y, in degrees.
     surface : Surface, optional
         Of all walls; default black.
     """
@@ -57,7 +56,11 @@ def room(low: Sequence[float], high: Sequence[float], tilt: tuple[float, float] 
             u, v = v, u
         turn = (angle if u == about else 0.0, angle if v == about else 0.0)
         if angle and along == about:
-            half = [math.hypot(*half)] * 3
+            # It turns in its own plane: a frame of the next axis is laid down by a quarter turn,
+            # then turned about its v, which is the axis of the turn.
+            turn = (-90.0 if axis[0] == "+" else 90.0, angle)
+            u, v = (along + 2) % 3, (along + 1) % 3
+            axis = "+" + "xyz"[(along + 1) % 3]
         x, y, z = (np.array(middle) @ rows).tolist() if angle else middle
         walls.append(Rectangle(name=f"wall {n}", position=(x, y, z), axis=axis, tilt_deg=turn,
                                half_width=half[u], half_height=half[v],

@@ -240,14 +240,6 @@ def test_a_turned_cube_keeps_rays_aimed_at_its_edges(surface, angle: float) -> N
     assert found.escaped == 0
 
 
-CROSSING = pytest.mark.xfail(
-    strict=True,
-    reason="a ray aimed at the line where a face meets the middle of another is let through "
-    "where rounding puts its point on the other side (probability 1e-16 for a random ray)",
-)
-
-
-@CROSSING
 @pytest.mark.parametrize("surface", [mirror(), matt()], ids=["mirror", "lambertian"])
 def test_walls_that_stand_on_a_larger_floor_leave_no_gap(surface) -> None:
     """A room of which floor and ceiling reach beyond the walls, rays aimed at all its edges."""

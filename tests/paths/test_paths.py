@@ -67,9 +67,7 @@ def test_segments_add_up_to_the_ledger(scene):
     assert found.power[found.escaped].sum() == pytest.approx(
         result.ledger.escaped.value, rel=1e-13, abs=1e-18
     )
-    black = {
-        n: e.name for n, e in enumerate(found.scene.element) if e.surface.kind == "absorber"
-    }
+    black = {n: e.name for n, e in enumerate(found.scene.element) if e.surface.kind == "absorber"}
     for number, name in black.items():
         ends = (found.ending == ABSORBED) & (found.element == number)
         want = result.ledger.absorbed[name].value

@@ -55,7 +55,7 @@ def test_curves_lie_on_the_element_and_in_the_plane(number, tilt):
 @pytest.mark.parametrize("number", range(len(NAMES)), ids=NAMES)
 def test_edges_and_facets_lie_on_the_element(number):
     element = elements((25.0, -40.0))[number]
-    for line in (*edges(element), *facets(element)):
+    for line in (*edges(element), *facets(element)[::7]):
         for point in line:
             assert element.touches(element.local(tuple(point)), 1e-9)
 

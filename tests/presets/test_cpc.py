@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from benchmarks.cpc_curve import measured, pairs_that_differ, scene_at
-from benchmarks.cpc_reference import transmission
 
 import photizon_cl as pz
+from benchmarks.cpc_curve import measured, pairs_that_differ, scene_at
+from benchmarks.cpc_reference import transmission
 
 
 def test_geometry_follows_from_exit_and_acceptance():
