@@ -39,7 +39,9 @@ _STAGES: Final = {
     "whole-path": ("whole_path",),
 }
 _EVENTS_BEFORE_FLUSH: Final = 1 << 30
-"""Interactions after which the limbs are read: 2^31 pieces of 2^32 fill a 64-bit sum."""
+"""Interactions after which the limbs are read: 2^31 pieces of 2^32 fill a 64-bit sum. Escapes
+are not counted: there is at most one for each interaction or launched ray, and a batch has at most
+2^24 of those."""
 _TALLY_BYTES: Final = 256 << 20
 """Device memory that the slots' tallies may take."""
 _COPIES_BYTES: Final = 64 << 20
@@ -123,7 +125,7 @@ class Engine:
         self._status = allocate(8 * len(STATUS))
         self._tally = allocate(8 * CELL * tables.n_cells * self._slots)
         self._tally_copies = allocate(self._copies * self._tally.size)
-        self._clear(self._tally_copies)
+        self._clean = False  # whether nothing of an earlier run is left in the tally's copies
         self._record_capacity = self._count_records() if spec.records else 0
         self._records = (
             allocate(32 * self._items * self._record_capacity),
@@ -295,6 +297,9 @@ class Engine:
     def _run_slots(self, first_batch: int, slots: int) -> NDArray[np.int64]:
         self._write_launch(first_batch)
         self._clear(self._tally)
+        if not self._clean:
+            self._clear(self._tally_copies)
+        self._clean = False
         total = np.zeros((slots, self.tables.n_cells, CELL), np.int64)
         events = 0
         for items in self._waves(slots):
@@ -312,7 +317,9 @@ class Engine:
                     break
                 if blocked:
                     self._grow(first_batch)
-        return self._flush(total)
+        total = self._flush(total)
+        self._clean = True
+        return total
 
     def _waves(self, slots: int) -> Iterator[NDArray[np.void]]:
         """Give the work-items' states at the start of each wave."""

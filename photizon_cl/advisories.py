@@ -75,9 +75,10 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
 
 def _blind_detectors(scene: Scene) -> Iterator[str]:
     """Find detectors that no light can reach on the side that they face."""
+    if any(element.surface.kind != "absorber" for element in scene.element):
+        return  # it may be lit by reflection (an element with a detector is an absorber itself)
     for element in scene.element:
-        others = [other for other in scene.element if other is not element]
-        if element.detector is None or any(o.surface.kind != "absorber" for o in others):
+        if element.detector is None:
             continue
         if all(_is_behind(element, source) for source in scene.source):
             advice = "turn its axis" if element.flat else "name the other side"

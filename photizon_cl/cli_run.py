@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import sys
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
 from photizon_cl.cli_show import console, paragraph, print_table, table
-from photizon_cl.errors import ArgumentError
+from photizon_cl.errors import ArgumentError, ResultError
 from photizon_cl.figures_text import with_error
 
 if TYPE_CHECKING:
@@ -32,11 +33,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out == "":
         raise ArgumentError("--out: found nothing, expected a directory")
 
-    from photizon_cl.result_io import check_target
+    from photizon_cl.result_io import prepare_target
     from photizon_cl.simulation import trace
 
     if arguments.out is not None:
-        check_target(arguments.out)
+        prepare_target(arguments.out)  # now, not when the run is done
     with _Display(scene.title or scene.name) as display:
         result = trace(
             scene,
@@ -50,16 +51,28 @@ def run(arguments: argparse.Namespace) -> int:
             progress=display.update,
         )
     # Files first: a reader that closes the pipe must not cost the result.
+    failed: ResultError | None = None
     if arguments.out is not None:
-        result.save(arguments.out)
+        try:
+            result.save(arguments.out)
+        except ResultError as error:
+            failed = error  # the numbers are still worth printing
     if arguments.json:
         print(json.dumps(result.summary(), indent=2, ensure_ascii=True, allow_nan=False))
-        return 0
+        return _told(failed)
     out = console()
     print_result(result, out)
-    if arguments.out is not None:
+    if arguments.out is not None and failed is None:
         out.print(f"\nwritten to {arguments.out}", soft_wrap=True)
-    return 0
+    return _told(failed)
+
+
+def _told(failed: ResultError | None) -> int:
+    """Say that the files could not be written; return the exit status."""
+    if failed is None:
+        return 0
+    print(str(failed), file=sys.stderr)
+    return 1
 
 
 # -- progress ------------------------------------------------------------------------------------

@@ -27,9 +27,17 @@ __all__ = [
 WIDTH: Final = 80
 
 
+class _Console(Console):
+    """A console that leaves a closed pipe to the command: rich would exit with status 1."""
+
+    def on_broken_pipe(self) -> None:
+        """Hand the error on."""
+        raise BrokenPipeError
+
+
 def console(stderr: bool = False) -> Console:
     """Return a console of at most 80 columns; names in its output are never read as markup."""
-    made = Console(stderr=stderr, markup=False, emoji=False, highlight=False)
+    made = _Console(stderr=stderr, markup=False, emoji=False, highlight=False)
     made.width = min(made.width, WIDTH)
     return made
 

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CompiledScene", "DetectorCells", "TallyLayout", "compile_scene"]
 
+LEAST_WEIGHT: Final = 1e-14
+"""Least weight of a launched ray beside the heaviest; then good to 1e-15 in the tally."""
 MAX_RAY_NUMBER: Final = 2**48
 """Ray numbers have 48 bits of a draw's counter."""
 
@@ -101,12 +103,14 @@ def compile_scene(
     Raises
     ------
     ArgumentError
-        Where a batch has fewer rays than the scene has sources.
+        Where a batch has fewer rays than the scene has sources, or the rays of one source are so
+        weak beside another's that the tally could not hold them.
     """
     rays = _share_rays(scene, settings.rays_per_batch)
     power = [s.flux / n for s, n in zip(scene.source, rays, strict=True)]
     unit_power = max(power)
     weights = [p / unit_power for p in power]
+    _check_weights(scene, weights)
     shift = recentre(scene)
     effects = _effects(scene, settings, weights) | force
     classes, class_of = element_classes(scene, "tilt" in force)
@@ -251,3 +255,14 @@ def _share_rays(scene: Scene, rays_per_batch: int) -> tuple[int, ...]:
     for i in order[: rays_per_batch - sum(given)]:
         given[i] += 1
     return tuple(given)
+
+
+def _check_weights(scene: Scene, weights: list[float]) -> None:
+    """Refuse rays so weak beside others that the tally's unit, 2^-95, would round them."""
+    for source, weight in zip(scene.source, weights, strict=True):
+        if weight < LEAST_WEIGHT:
+            raise ArgumentError(
+                f"source {source.name!r}: its rays carry {weight:.3g} of the power of the heaviest "
+                f"ones, and the tally counts in units of 2^-95 of those (at least {LEAST_WEIGHT:g} "
+                "is needed): give the sources shares that even this out, or trace them apart"
+            )

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-__all__ = ["check_target", "open_result", "save"]
+__all__ = ["check_target", "open_result", "prepare_target", "save"]
 
 _ARRAYS: Final = "result.nc"
 _GROUP: Final = "tally"
@@ -66,6 +66,26 @@ def check_target(path: str | os.PathLike[str]) -> Path:
         )
     if _ARRAYS in there:
         open_result(folder)  # something else of that name is not ours to replace
+    return folder
+
+
+def prepare_target(path: str | os.PathLike[str]) -> Path:
+    """Make the directory that a result will be written into, and see that it can be.
+
+    Raises
+    ------
+    ResultError
+        Where `check_target` refuses it, or nothing can be written there.
+    """
+    folder = check_target(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise ResultError(
+            f"{show(str(folder))} cannot be written: {_reason(error)}; give another directory"
+        ) from None
     return folder
 
 

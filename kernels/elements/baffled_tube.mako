@@ -76,3 +76,19 @@ FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, 
     *ny = SEL(v_wall, sign, splat(0.0));
     *nz = SEL(wall, splat(0.0), splat(1.0));
 }
+
+// A wall met within rounding of a plate: the height of the hit moved off the plate, to the side that
+// the ray is on.  That is the side of the plate it left, if it comes from there, and else where it
+// comes from.
+FN real beside_plates_${cls.suffix}(const scene_t *scene, lint row, const packet_t *p, lint code, real x, real y, real z) {
+    const real length = gather(scene->geometry + 6, row), plates = gather(scene->geometry + 7, row);
+    const real i = clamp(rint(z * (plates + 1.0) / length), splat(1.0), fmax(plates, splat(1.0)));
+    const real at = length * i / (plates + 1.0);
+    const real room = fma(fabs(x) + fabs(y) + fabs(z), splat(16.0 * UNIT_ROUNDOFF), 4.0 * gather(scene->geometry + 9, row));
+    const mask near = LT(FACE_OF(code), lsplat(4L)) & GT(plates, splat(0.0)) & LT(fabs(z - at), 0.5 * room);
+    __global const double *w = scene->geometry + ROW_FRAME + 6;
+    const real dz = dot3(p->dx, p->dy, p->dz, gather(w, row), gather(w + 1, row), gather(w + 2, row));
+    const mask left_it = EQ(p->left >> 2, WITH_FACE(WITHOUT_FACE(code), TO_LINT(i) + 3L));
+    const mask above = SEL(left_it, NE(p->left & 2L, lsplat(0L)), LT(dz, splat(0.0)));
+    return SEL(near, at + SEL(above, room, -room), z);
+}

@@ -72,12 +72,10 @@ FN luint path_of(const packet_t *p) {
 % endif
 }
 
-// One search for the nearest face: whether this is the careful pass, which lanes need one, and, for
-// that pass, the normal of the face each lane left.
+// One search for the nearest face: whether this is the careful pass, and which lanes need one.
 typedef struct {
     int careful;
     mask doubtful;
-    real mx, my, mz;
 } search_t;
 
 // In faces.mako; the elements' functions call it.

@@ -102,11 +102,15 @@ class BaffledTube(Element):
         """Return the sizes with their bounds, see ``kernels/elements/baffled_tube.mako``."""
         rounding = 4.0 * _ROUNDOFF * max(map(abs, centre))
         near = rounding + 4.0 * _ROUNDOFF * self.half_width
+        # a tilted tube's coordinates are sums of products as large as its length
+        inside = 0.5 * near
+        if axis is None:
+            inside = 2.0 * near + 4.0 * _ROUNDOFF * self.length
         clear = self.clear_half_width if self.baffles and self.clear_half_width is not None else 0.0
         return (
             self.half_width,
             self.half_width + near,
-            self.half_width - 0.5 * near,
+            self.half_width - inside,
             self.length,
             float(self.baffles),
             clear - near,

@@ -56,7 +56,8 @@ class Flat(Element):
         grows, shrinks = (4.0, 2.0) if axis is not None else (8.0, 16.0)
         outer = [h + grows * _ROUNDOFF * (h + far) for h in half]
         inner = [h - shrinks * _ROUNDOFF * (h + far) for h in half]
-        plane = far if axis is None else abs(centre[axis])
+        # what comes to this plane on another face has crossed about as much as this one's size
+        plane = far if axis is None else abs(centre[axis]) + max(half)
         sign = -1.0 if axis_index(self.axis) % 2 else 1.0
         # a tilted plane's rounding grows with the distance from its centre
         return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign, 4.0 * _ROUNDOFF)

@@ -1,0 +1,178 @@
+"""What the compensated parts cost, and which families of hard cases fail without them.
+
+``python -m benchmarks.compensation [--seconds S] [--skip-families]``
+
+Each part is taken out of the kernels' text (a copy; the tree is not touched), the stability
+families that it is there for are run, and a scene that uses it is timed. Prints one table.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A compensated part: its plain replacement, what it is there for, what is timed.
+
+    `edits` are (file, text, replacement); every text must be there, so that the script fails when
+    the kernels move on.
+    """
+
+    name: str
+    scene: str
+    families: tuple[str, ...]
+    edits: tuple[tuple[str, str, str], ...]
+
+
+SPHERE = "elements/sphere.mako"
+CAP = "lib/cap.mako"
+PARTS = (
+    Part("sphere: c = |f|^2 - R^2 compensated", "sphere",
+         ("sphere, far and near", "sphere, origin on it", "sphere, tangent"),
+         ((SPHERE, "const real c = (s2 - rr) + (((xe + ye) + (ze - re)) + (s1e + s2e));",
+           "const real c = fma(fx, fx, fma(fy, fy, fz * fz)) - rr;"),)),
+    Part("sphere: discriminant from the closest approach", "sphere",
+         ("sphere, far and near", "sphere, tangent"),
+         ((SPHERE, "const real discriminant = (radius - l) * (radius + l);",
+           "const real discriminant = b * b - (dot3(fx, fy, fz, fx, fy, fz) - radius * radius);"),)),
+    Part("sphere: both roots without cancellation", "sphere",
+         ("sphere, far and near", "sphere, origin on it"),
+         ((SPHERE, "real t1 = fmin(q, other), t2 = fmax(q, other);",
+           "real t1 = b - s, t2 = b + s;"),)),
+    Part("sphere: departed root removed", "sphere",
+         ("sphere, chord",),
+         ((SPHERE, "const mask free_lanes = ~departed & p->alive;",
+           "const mask free_lanes = p->alive;"),)),
+    Part("flat: rounding bound at edges", "room", ("shared edges", "flat, edge"),
+         (("elements/rectangle.mako", "LE(ax, fma(fx, splat(4.0 * UNIT_ROUNDOFF), splat(row[3])))",
+           "LE(ax, splat(0.5 * (row[3] + row[5])))"),
+          ("elements/rectangle.mako", "LE(ay, fma(fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[4])))",
+           "LE(ay, splat(0.5 * (row[4] + row[6])))"))),
+    Part("lens: cap's equation compensated", "lens",
+         ("lens, shapes", "lens, inside", "lens, tangent", "touching"),
+         ((CAP, "const real c = sum + carry;",
+           "const real c = fma(x, x, fma(y, y, fma(z, z + 2.0 * s * h, splat(-a * a))));"),)),
+    Part("lens: cap seen from its rim, not its centre", "lens",
+         ("lens, shapes", "lens, inside", "lens, rim"),
+         ((CAP, "const real c = sum + carry;",
+           "const real f = fma(s, h, z), c = fma(x, x, fma(y, y, f * f)) - fma(a, a, h * h);"),)),
+    Part("lens: discriminant at the point nearest the rim", "lens",
+         ("lens, shapes", "lens, tangent"),
+         ((CAP, "const real near = -dot3(x, y, z, dx, dy, dz);", "const real near = splat(0.0);"),)),
+    Part("lens: rim decided by the distance from the axis", "lens", ("lens, rim",),
+         (("lib/solid.mako", "SEL(from_outside, meets, LE(enter, leave))", "LE(enter, leave)"),)),
+    Part("fresnel: forms without cancellation", "lens", ("fresnel",),
+         (("surfaces/fresnel.mako", "const real rs = k / (a * a);",
+           "const real rs = (mci - ct) / a;"),
+          ("surfaces/fresnel.mako",
+           "const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);",
+           "const real rp = (ci - m * ct) / b;"))),
+)  # fmt: skip
+
+
+def scene(kind: str):
+    """Return a scene that spends its time in what is measured."""
+    from photizon_cl.elements import Biconvex, Sphere
+    from photizon_cl.scene import Scene
+    from photizon_cl.settings import RunSettings
+    from photizon_cl.sources import IsotropicPoint
+    from photizon_cl.stability.families_mixed import room
+    from photizon_cl.surfaces import Fresnel, Lambertian
+
+    white = Lambertian(0.99)
+    lamp = IsotropicPoint(name="lamp", flux=1.0, position=(0.1, 0.2, 0.3))
+    walls = room((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), surface=white)
+    where = {"name": "body", "position": (0.0, 0.0, -0.4), "axis": "+z"}
+    if kind == "sphere":
+        walls = (*walls, Sphere(**where, radius=0.4, surface=white))
+    if kind == "lens":
+        lens = Biconvex(**where, aperture_radius=0.7, front_radius=1.5, back_radius=2.0,
+                        surface=Fresnel(index=1.5))  # fmt: skip
+        walls = (*walls, lens)
+    run = RunSettings(rays_per_batch=4096, generation_cap=200, roulette_floor=0.05)
+    return Scene(name=kind, source=(lamp,), element=walls, run=run)
+
+
+def measure(kind: str, families: list[str], seconds: float) -> None:
+    """Print interactions a second, then a line for every family that fails (in a fresh process)."""
+    from hostcode.plan import default_plan
+    from hostcode.wavefront import Engine
+    from photizon_cl.compile import compile_scene
+    from photizon_cl.distribution import open_chosen
+    from photizon_cl.stability.report import stability_report
+
+    device = open_chosen(None)
+    made = scene(kind)
+    engine = Engine(device, compile_scene(made, made.run).tables, default_plan(device.record))
+    list(engine.run(0, 4))
+    rates = []
+    first = 4
+    for _ in range(3):
+        before, started = engine.statistics.interactions, time.perf_counter()
+        while time.perf_counter() - started < seconds / 3:
+            list(engine.run(first, 16))
+            first += 16
+        rates.append((engine.statistics.interactions - before) / (time.perf_counter() - started))
+    print(f"rate {sorted(rates)[1]:.6g}")
+    for row in stability_report(device, families) if families else ():
+        if not row.passed:
+            print(f"fails {row.family}: {row.worst:.2g} ulps, {len(row.wrong)} wrong decisions")
+
+
+def run_patched(part: Part | None, kind: str, families: tuple[str, ...], seconds: float) -> list[str]:
+    """Run `measure` on a copy of the tree with a part taken out."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder)
+        for name in ("photizon_cl", "hostcode", "kernels", "benchmarks", "presets"):
+            shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+        for file, text, plain in part.edits if part else ():
+            path = copy / "kernels" / file
+            source = path.read_text(encoding="utf-8")
+            if source.count(text) != 1:
+                raise SystemExit(f"{file}: found {source.count(text)} times, expected once: {text}")
+            path.write_text(source.replace(text, plain), encoding="utf-8")
+        done = subprocess.run(
+            [sys.executable, "-m", "benchmarks.compensation", "--worker", kind,
+             "--seconds", str(seconds), *families],
+            cwd=copy, env={**os.environ, "PYTHONPATH": str(copy)},
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+    if done.returncode:
+        raise SystemExit(f"{part.name if part else 'as it is'}:\n{done.stderr}")
+    return done.stdout.splitlines()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=6.0, help="of timing for each part")
+    parser.add_argument("--skip-families", action="store_true", help="time only")
+    parser.add_argument("--worker", metavar="SCENE", help=argparse.SUPPRESS)
+    parser.add_argument("families", nargs="*", help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.worker:
+        measure(arguments.worker, arguments.families, arguments.seconds)
+        return
+    print(f"{'without':50} {'scene':7} {'M/s with':>9} {'without':>9} {'cost':>7}  what fails")
+    for part in PARTS:
+        families = () if arguments.skip_families else part.families
+        with_it = run_patched(None, part.scene, (), arguments.seconds)
+        without = run_patched(part, part.scene, families, arguments.seconds)
+        a, b = (float(lines[0].split()[1]) / 1e6 for lines in (with_it, without))
+        failing = [line.removeprefix("fails ") for line in without[1:]]
+        print(f"{part.name:50} {part.scene:7} {a:9.2f} {b:9.2f} {100 * (b / a - 1):6.1f}%  "
+              f"{'; '.join(failing) or 'nothing of: ' + ', '.join(families)}", flush=True)  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,60 @@
+"""Every family of hard cases against 60 digits: decisions right, errors within the bound."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from oracles.engine import open_device
+
+from photizon_cl import stability
+from photizon_cl.stability.report import BOUND, FAMILIES, Row, stability_report, table, write_figure
+
+
+@pytest.fixture(scope="module")
+def rows() -> dict[str, Row]:
+    return {row.family: row for row in stability_report(open_device())}
+
+
+@pytest.mark.parametrize("family", [*FAMILIES, "fresnel"])
+def test_family(rows: dict[str, Row], family: str) -> None:
+    row = rows[family]
+    assert row.cases >= 25
+    assert row.wrong == ()
+    assert row.worst <= BOUND
+    # most of what is measured must be able to fail
+    assert sum(bool(m.errors) for m in row.measured) >= 25
+
+
+def test_most_families_have_firm_decisions(rows: dict[str, Row]) -> None:
+    assert sum(row.firm >= 25 for row in rows.values()) >= len(rows) - 1  # not the shared edges
+
+
+def test_the_table_and_the_figure_show_every_family(rows: dict[str, Row], tmp_path: Path) -> None:
+    text = table(list(rows.values()))
+    assert all(name in text for name in rows)
+    assert "FAILED" not in text
+    write_figure(list(rows.values()), tmp_path / "stability.png")
+    assert (tmp_path / "stability.png").stat().st_size > 20_000
+
+
+def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert stability.main(["--family", "fresnel"]) == 0
+    assert "fresnel" in capsys.readouterr().out
+    assert stability.main(["--family", "nonsense"]) == 2
+    assert "nonsense" in capsys.readouterr().err
+
+
+def test_without_mpmath_it_says_what_to_install(tmp_path: Path) -> None:
+    (tmp_path / "mpmath.py").write_text("raise ImportError('absent')\n")
+    root = str(Path(__file__).resolve().parents[2])
+    path = os.pathsep.join((str(tmp_path), root))
+    done = subprocess.run(
+        [sys.executable, "-m", "photizon_cl.stability"],
+        env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert "pip install 'photizon-cl[test]'" in done.stderr
