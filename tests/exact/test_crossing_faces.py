@@ -1,0 +1,73 @@
+"""Faces that cross each other, and hits that tie to within rounding: no leak, no trap, one order."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from oracles.engine import open_device, scene_of, trace
+from oracles.scenes import beam, matt
+
+import photizon_cl as pz
+from hostcode.probe import probe_rays
+from photizon_cl.compile import compile_scene
+
+BALL = {"kind": "sphere", "position": [0, 0, 0], "axis": "+z", "radius": 1.0, **matt(1.0)}
+ULP = 2.0**-53
+
+
+@pytest.mark.parametrize("tilt", [0.0, 17.0, 45.0])
+def test_a_sphere_that_a_rectangle_cuts_leaks_nothing(tilt: float) -> None:
+    """Rays run beside the rectangle, units in the last place away, into the line of the cut."""
+    normal = np.array([np.sin(np.radians(tilt)), 0.0, np.cos(np.radians(tilt))])
+    plate = {"kind": "rectangle", "position": [0, 0, 0], "axis": "+z", "tilt_deg": [0.0, tilt],
+             "half_width": 1.5, "half_height": 1.5, **matt(1.0)}  # fmt: skip
+    starts = [normal * k * ULP + [0.0, 0.5, 0.0] for k in (0, 2, 8, 20, 50, 200)]
+    lamps = [beam(tuple(map(float, s)), "+y", 1e-20) for s in starts]
+    found = trace(scene_of(lamps, [BALL, plate]), rays_per_batch=6 * 2048, generation_cap=60)
+    assert found.escaped == 0
+
+
+@pytest.mark.parametrize("shape", ["disk", "rectangle"])
+def test_no_ray_is_trapped_where_a_disk_meets_a_sphere(shape: str) -> None:
+    """Rays aimed at the rim go on; without losses all of them leave through the port."""
+    size = {"radius": 1.0} if shape == "disk" else {"half_width": 1.0, "half_height": 1.0}
+    plate = {"kind": shape, "position": [0, 0, 0], "axis": "+z", **size, **matt(1.0)}
+    starts = [0.5, *(1.0 - 2.0**-k for k in (40, 50, 51, 52, 53))]
+    lamps = [beam((x, 0.0, 2.0**-31), "-z", 1e-20) for x in starts]
+    scene = scene_of(lamps, [{**BALL, "port_fraction": 0.25}, plate])
+    found = trace(scene, rays_per_batch=6 * 512, generation_cap=1000)
+    assert found.depth_capped == 0
+    assert found.interactions < 10 * 6 * 512
+
+
+def test_hits_that_tie_have_one_order_in_tree_and_scan() -> None:
+    """Planes units in the last place apart, one hit at its edge: a cycle without a total order."""
+    gap = 2.0**-50
+
+    def plate(name, z, x, half):
+        return {"name": name, "kind": "rectangle", "position": [x, 0.0, z], "axis": "+z",
+                "half_width": half, "half_height": 1.0, "surface": {"kind": "absorber"}}  # fmt: skip
+
+    lamp = {"name": "s", "kind": "isotropic-point", "flux": 1.0, "position": [0, 0, 1.0]}
+    g = np.random.default_rng(1)
+    device = open_device()
+    for order in itertools.permutations("ABC"):
+        far = [plate(f"f{i}", 30.0 - 60.0 * (i % 2), float(g.uniform(-10, 10)), 0.3)
+               for i in range(60)]  # fmt: skip
+        tied = {"A": plate("A", 0.0, 3.0, 4.0), "B": plate("B", -gap, 2.0, 2.0),
+                "C": plate("C", -gap, -5.0, 6.0)}  # fmt: skip
+        elements = [tied[name] for name in order] + far
+        scene = pz.load({"schema": "photizon/1", "name": "ties", "source": [lamp],
+                         "element": elements})  # fmt: skip
+        hit = set()
+        for accelerate in (False, True):
+            tables = compile_scene(scene, scene.run, accelerate=accelerate).tables
+            for mate in ([1, 0, 0], [-1, 0, 0], [0.6, 0, -0.8], [-0.6, 0, -0.8]):
+                directions = np.tile(np.array(mate, float), (16, 1))
+                directions[0] = [0, 0, -1.0]
+                origins = np.tile([0.0, 0.0, 1.0], (16, 1))
+                _, found = probe_rays(device, tables, np.hstack([origins, directions]), 16)
+                hit.add(elements[int(found[0])]["name"])
+        assert len(hit) == 1, (order, hit)
