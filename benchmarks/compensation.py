@@ -38,47 +38,125 @@ class Part:
 SPHERE = "elements/sphere.mako"
 CAP = "lib/cap.mako"
 PARTS = (
-    Part("sphere: c = |f|^2 - R^2 compensated", "sphere",
-         ("sphere, far and near", "sphere, origin on it", "sphere, tangent"),
-         ((SPHERE, "const real c = (s2 - rr) + (((xe + ye) + (ze - re)) + (s1e + s2e));",
-           "const real c = fma(fx, fx, fma(fy, fy, fz * fz)) - rr;"),)),
-    Part("sphere: discriminant from the closest approach", "sphere",
-         ("sphere, far and near", "sphere, tangent"),
-         ((SPHERE, "const real discriminant = (radius - l) * (radius + l);",
-           "const real discriminant = b * b - (dot3(fx, fy, fz, fx, fy, fz) - radius * radius);"),)),
-    Part("sphere: both roots without cancellation", "sphere",
-         ("sphere, far and near", "sphere, origin on it"),
-         ((SPHERE, "real t1 = fmin(q, other), t2 = fmax(q, other);",
-           "real t1 = b - s, t2 = b + s;"),)),
-    Part("sphere: departed root removed", "sphere",
-         ("sphere, chord",),
-         ((SPHERE, "const mask free_lanes = ~departed & p->alive;",
-           "const mask free_lanes = p->alive;"),)),
-    Part("flat: rounding bound at edges", "room", ("shared edges", "flat, edge"),
-         (("elements/rectangle.mako", "LE(ax, fma(fx, splat(4.0 * UNIT_ROUNDOFF), splat(row[3])))",
-           "LE(ax, splat(0.5 * (row[3] + row[5])))"),
-          ("elements/rectangle.mako", "LE(ay, fma(fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[4])))",
-           "LE(ay, splat(0.5 * (row[4] + row[6])))"))),
-    Part("lens: cap's equation compensated", "lens",
-         ("lens, shapes", "lens, inside", "lens, tangent", "touching"),
-         ((CAP, "const real c = sum + carry;",
-           "const real c = fma(x, x, fma(y, y, fma(z, z + 2.0 * s * h, splat(-a * a))));"),)),
-    Part("lens: cap seen from its rim, not its centre", "lens",
-         ("lens, shapes", "lens, inside", "lens, rim"),
-         ((CAP, "const real c = sum + carry;",
-           "const real f = fma(s, h, z), c = fma(x, x, fma(y, y, f * f)) - fma(a, a, h * h);"),)),
-    Part("lens: discriminant at the point nearest the rim", "lens",
-         ("lens, shapes", "lens, tangent"),
-         ((CAP, "const real near = -dot3(x, y, z, dx, dy, dz);", "const real near = splat(0.0);"),)),
-    Part("lens: rim decided by the distance from the axis", "lens", ("lens, rim",),
-         (("lib/solid.mako", "SEL(from_outside, meets, LE(enter, leave))", "LE(enter, leave)"),)),
-    Part("fresnel: forms without cancellation", "lens", ("fresnel",),
-         (("surfaces/fresnel.mako", "const real rs = k / (a * a);",
-           "const real rs = (mci - ct) / a;"),
-          ("surfaces/fresnel.mako",
-           "const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);",
-           "const real rp = (ci - m * ct) / b;"))),
-)  # fmt: skip
+    Part(
+        "sphere: c = |f|^2 - R^2 compensated",
+        "sphere",
+        ("sphere, far and near", "sphere, origin on it", "sphere, tangent"),
+        (
+            (
+                SPHERE,
+                "const real c = (s2 - rr) + (((xe + ye) + (ze - re)) + (s1e + s2e));",
+                "const real c = fma(fx, fx, fma(fy, fy, fz * fz)) - rr;",
+            ),
+        ),
+    ),
+    Part(
+        "sphere: discriminant from the closest approach",
+        "sphere",
+        ("sphere, far and near", "sphere, tangent"),
+        (
+            (
+                SPHERE,
+                "const real discriminant = (radius - l) * (radius + l);",
+                "const real discriminant = b * b - dot3(fx, fy, fz, fx, fy, fz) + radius * radius;",
+            ),
+        ),
+    ),
+    Part(
+        "sphere: both roots without cancellation",
+        "sphere",
+        ("sphere, far and near", "sphere, origin on it"),
+        (
+            (
+                SPHERE,
+                "real t1 = fmin(q, other), t2 = fmax(q, other);",
+                "real t1 = b - s, t2 = b + s;",
+            ),
+        ),
+    ),
+    Part(
+        "sphere: departed root removed",
+        "sphere",
+        ("sphere, chord",),
+        (
+            (
+                SPHERE,
+                "const mask free_lanes = ~departed & p->alive;",
+                "const mask free_lanes = p->alive;",
+            ),
+        ),
+    ),
+    Part(
+        "flat: rounding bound at edges",
+        "room",
+        ("shared edges", "flat, edge"),
+        (
+            (
+                "elements/rectangle.mako",
+                "LE(ax, fma(fx, splat(4.0 * UNIT_ROUNDOFF), splat(row[3])))",
+                "LE(ax, splat(0.5 * (row[3] + row[5])))",
+            ),
+            (
+                "elements/rectangle.mako",
+                "LE(ay, fma(fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[4])))",
+                "LE(ay, splat(0.5 * (row[4] + row[6])))",
+            ),
+        ),
+    ),
+    Part(
+        "lens: cap's equation compensated",
+        "lens",
+        ("lens, shapes", "lens, inside", "lens, tangent", "touching"),
+        (
+            (
+                CAP,
+                "const real c = sum + carry;",
+                "const real c = fma(x, x, fma(y, y, fma(z, z + 2.0 * s * h, splat(-a * a))));",
+            ),
+        ),
+    ),
+    Part(
+        "lens: cap seen from its rim, not its centre",
+        "lens",
+        ("lens, shapes", "lens, inside", "lens, rim"),
+        (
+            (
+                CAP,
+                "const real c = sum + carry;",
+                "const real f = fma(s, h, z), c = fma(x, x, fma(y, y, f * f)) - fma(a, a, h * h);",
+            ),
+        ),
+    ),
+    Part(
+        "lens: discriminant at the point nearest the rim",
+        "lens",
+        ("lens, shapes", "lens, tangent"),
+        ((CAP, "const real near = -dot3(x, y, z, dx, dy, dz);", "const real near = splat(0.0);"),),
+    ),
+    Part(
+        "lens: rim decided by the distance from the axis",
+        "lens",
+        ("lens, rim",),
+        (("lib/solid.mako", "SEL(from_outside, meets, LE(enter, leave))", "LE(enter, leave)"),),
+    ),
+    Part(
+        "fresnel: forms without cancellation",
+        "lens",
+        ("fresnel",),
+        (
+            (
+                "surfaces/fresnel.mako",
+                "const real rs = k / (a * a);",
+                "const real rs = (mci - ct) / a;",
+            ),
+            (
+                "surfaces/fresnel.mako",
+                "const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);",
+                "const real rp = (ci - m * ct) / b;",
+            ),
+        ),
+    ),
+)
 
 
 def scene(kind: str):
@@ -97,8 +175,13 @@ def scene(kind: str):
     if kind == "sphere":
         walls = (*walls, Sphere(**where, radius=0.4, surface=white))
     if kind == "lens":
-        lens = Biconvex(**where, aperture_radius=0.7, front_radius=1.5, back_radius=2.0,
-                        surface=Fresnel(index=1.5))  # fmt: skip
+        lens = Biconvex(
+            **where,
+            aperture_radius=0.7,
+            front_radius=1.5,
+            back_radius=2.0,
+            surface=Fresnel(index=1.5),
+        )
         walls = (*walls, lens)
     run = RunSettings(rays_per_batch=4096, generation_cap=200, roulette_floor=0.05)
     return Scene(name=kind, source=(lamp,), element=walls, run=run)
@@ -106,6 +189,7 @@ def scene(kind: str):
 
 def measure(kind: str, families: list[str], seconds: float) -> None:
     """Print interactions a second, then a line for every family that fails (in a fresh process)."""
+    from hostcode.device import preferred_lanes
     from hostcode.plan import default_plan
     from hostcode.wavefront import Engine
     from photizon_cl.compile import compile_scene
@@ -114,7 +198,8 @@ def measure(kind: str, families: list[str], seconds: float) -> None:
 
     device = open_chosen(None)
     made = scene(kind)
-    engine = Engine(device, compile_scene(made, made.run).tables, default_plan(device.record))
+    plan = default_plan(device.record, preferred_lanes(device.record))
+    engine = Engine(device, compile_scene(made, made.run).tables, plan)
     list(engine.run(0, 4))
     rates = []
     first = 4
@@ -130,7 +215,9 @@ def measure(kind: str, families: list[str], seconds: float) -> None:
             print(f"fails {row.family}: {row.worst:.2g} ulps, {len(row.wrong)} wrong decisions")
 
 
-def run_patched(part: Part | None, kind: str, families: tuple[str, ...], seconds: float) -> list[str]:
+def run_patched(
+    part: Part | None, kind: str, families: tuple[str, ...], seconds: float
+) -> list[str]:
     """Run `measure` on a copy of the tree with a part taken out."""
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder)
@@ -143,11 +230,22 @@ def run_patched(part: Part | None, kind: str, families: tuple[str, ...], seconds
                 raise SystemExit(f"{file}: found {source.count(text)} times, expected once: {text}")
             path.write_text(source.replace(text, plain), encoding="utf-8")
         done = subprocess.run(
-            [sys.executable, "-m", "benchmarks.compensation", "--worker", kind,
-             "--seconds", str(seconds), *families],
-            cwd=copy, env={**os.environ, "PYTHONPATH": str(copy)},
-            capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            [
+                sys.executable,
+                "-m",
+                "benchmarks.compensation",
+                "--worker",
+                kind,
+                "--seconds",
+                str(seconds),
+                *families,
+            ],
+            cwd=copy,
+            env={**os.environ, "PYTHONPATH": str(copy)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
     if done.returncode:
         raise SystemExit(f"{part.name if part else 'as it is'}:\n{done.stderr}")
     return done.stdout.splitlines()
@@ -170,8 +268,11 @@ def main() -> None:
         without = run_patched(part, part.scene, families, arguments.seconds)
         a, b = (float(lines[0].split()[1]) / 1e6 for lines in (with_it, without))
         failing = [line.removeprefix("fails ") for line in without[1:]]
-        print(f"{part.name:50} {part.scene:7} {a:9.2f} {b:9.2f} {100 * (b / a - 1):6.1f}%  "
-              f"{'; '.join(failing) or 'nothing of: ' + ', '.join(families)}", flush=True)  # fmt: skip
+        print(
+            f"{part.name:50} {part.scene:7} {a:9.2f} {b:9.2f} {100 * (b / a - 1):6.1f}%  "
+            f"{'; '.join(failing) or 'nothing of: ' + ', '.join(families)}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -19,8 +19,16 @@ if TYPE_CHECKING:
     from hostcode.device import OpenDevice
     from hostcode.tables import DeviceTables
 
-__all__ = ["LEFT_PLUS", "NO_FACE", "Followed", "element_of", "face_of", "follow_rays",
-           "probe_faces", "probe_rays"]  # fmt: skip
+__all__ = [
+    "LEFT_PLUS",
+    "NO_FACE",
+    "Followed",
+    "element_of",
+    "face_of",
+    "follow_rays",
+    "probe_faces",
+    "probe_rays",
+]
 
 NO_FACE: Final = -1
 """State of a ray that was launched and has left no face."""
@@ -201,16 +209,28 @@ def follow_rays(
     states_buffer = cl.Buffer(device.context, flags, hostbuf=states)
     faces_buffer = cl.Buffer(device.context, flags, hostbuf=faces)
     kernel.set_args(
-        *common, rays_buffer, left_buffer, states_buffer, faces_buffer,
-        np.uint64(n), np.uint64(steps), np.uint64(reflected),
-    )  # fmt: skip
+        *common,
+        rays_buffer,
+        left_buffer,
+        states_buffer,
+        faces_buffer,
+        np.uint64(n),
+        np.uint64(steps),
+        np.uint64(reflected),
+    )
     cl.enqueue_nd_range_kernel(device.queue, kernel, (n,), None)
     cl.enqueue_copy(device.queue, states, states_buffer)
     cl.enqueue_copy(device.queue, faces, faces_buffer)
     return Followed(
-        states[..., 0], states[..., 1:4], states[..., 4:7], states[..., 7:10], states[..., 10],
-        states[..., 11:14], states[..., 14], faces,
-    )  # fmt: skip
+        states[..., 0],
+        states[..., 1:4],
+        states[..., 4:7],
+        states[..., 7:10],
+        states[..., 10],
+        states[..., 11:14],
+        states[..., 14],
+        faces,
+    )
 
 
 def _upload(device: OpenDevice, array: NDArray[Any]) -> cl.Buffer:

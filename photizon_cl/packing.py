@@ -134,8 +134,8 @@ def geometry_table(
     table = np.zeros((len(scene.element), ROW_STRIDE))
     for row, element, cls in zip(table, scene.element, class_of, strict=True):
         x, y, z = centre = _from_shift(element.position, shift)
-        # Two elements that share an edge agree on it only to the rounding of the positions that they
-        # were given: rounding bounds follow those, however near the recentred scene is.
+        # Two elements that share an edge agree on it only to the rounding of the positions that
+        # they were given: rounding bounds follow those, however near the recentred scene is.
         ax, ay, az = (max(abs(c), abs(q)) for c, q in zip(centre, element.position, strict=True))
         packed = element.packed((ax, ay, az), cls.axis)
         row[0:3] = x, y, z

@@ -196,8 +196,14 @@ class Paraboloid(Face):
                 left, right = (top, right) if at(top)[1] > 0 else (left, top)
         if at(top)[0] < 0:
             return Roots([], top)
-        return Roots([end for end in (self._newton(at, low, top), self._newton(at, high, top))
-                      if end is not None], top)  # fmt: skip
+        return Roots(
+            [
+                end
+                for end in (self._newton(at, low, top), self._newton(at, high, top))
+                if end is not None
+            ],
+            top,
+        )
 
     def _span(self, o: Vector, d: Vector, terms: Any) -> tuple[Any, Any] | None:
         """Return the part of a line that can meet the wall, a little more than its outline."""
@@ -324,8 +330,13 @@ def faces_of(element: Element) -> list[Face]:
             return [Plane(2, 1, _zero, _disk)]
         case Sphere():
             port = element.ported
-            return [Ball(lambda s: s[0], _zero,
-                         lambda p, s: [s[0] * (1 - 2 * s[1]) - p[2]] if port else [])]  # fmt: skip
+            return [
+                Ball(
+                    lambda s: s[0],
+                    _zero,
+                    lambda p, s: [s[0] * (1 - 2 * s[1]) - p[2]] if port else [],
+                )
+            ]
         case Cpc():
             return [Paraboloid()]
         case BaffledTube():

@@ -16,7 +16,18 @@ if TYPE_CHECKING:
 
     from photizon_cl.elements import Element
 
-__all__ = ["SCALES", "TILT", "above", "aimed", "below", "black", "in_world", "nudge", "turned", "unit"]
+__all__ = [
+    "SCALES",
+    "TILT",
+    "above",
+    "aimed",
+    "below",
+    "black",
+    "in_world",
+    "nudge",
+    "turned",
+    "unit",
+]
 
 SCALES: Final = (1e-9, 1e-3, 1.0, 1e4, 1e9)
 """Sizes in metres."""
@@ -24,9 +35,16 @@ TILT: Final = (33.3, -71.7)
 """A tilt of no special angle, in degrees."""
 
 
-def black(kind: type[Any], scale: float = 1.0, *, tilt: tuple[float, float] = (0.0, 0.0),
-          at: Sequence[float] = (0.0, 0.0, 0.0), axis: str = "+z", name: str = "one",
-          **sizes: float) -> Element:  # fmt: skip
+def black(
+    kind: type[Any],
+    scale: float = 1.0,
+    *,
+    tilt: tuple[float, float] = (0.0, 0.0),
+    at: Sequence[float] = (0.0, 0.0, 0.0),
+    axis: str = "+z",
+    name: str = "one",
+    **sizes: float,
+) -> Element:
     """Return a black element whose lengths are multiplied by a scale."""
     lengths = {
         key: value if key.endswith(("_deg", "fraction", "baffles")) else value * scale
@@ -56,16 +74,30 @@ def in_world(element: Element, v: Sequence[float], *, point: bool = False) -> Tr
     return (x, y, z)
 
 
-def aimed(label: str, elements: tuple[Element, ...], start: Sequence[float], end: Sequence[float],
-          *, left: Left | None = None, must_hit: bool = False) -> Case:  # fmt: skip
+def aimed(
+    label: str,
+    elements: tuple[Element, ...],
+    start: Sequence[float],
+    end: Sequence[float],
+    *,
+    left: Left | None = None,
+    must_hit: bool = False,
+) -> Case:
     """Return the case of a ray from one local point towards another, of the first element."""
     a = in_world(elements[0], start, point=True)
     d = np.subtract(in_world(elements[0], end, point=True), a)
     return Case(label, elements, a, unit(d.tolist()), left, must_hit)
 
 
-def turned(label: str, elements: tuple[Element, ...], start: Sequence[float],
-           along: Sequence[float], *, left: Left | None = None, must_hit: bool = False) -> Case:  # fmt: skip
+def turned(
+    label: str,
+    elements: tuple[Element, ...],
+    start: Sequence[float],
+    along: Sequence[float],
+    *,
+    left: Left | None = None,
+    must_hit: bool = False,
+) -> Case:
     """Return the case of a ray from a local point in a local direction, of the first element."""
     a = in_world(elements[0], start, point=True)
     return Case(label, elements, a, unit(in_world(elements[0], along)), left, must_hit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.elements import Disk, Rectangle, Sphere
 from photizon_cl.stability.build import (
@@ -22,10 +22,24 @@ from photizon_cl.stability.case import Case, Left, Triple
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["flat_edge", "flat_grazing", "flat_tilt", "sphere_chord", "sphere_near_far",
-           "sphere_port", "sphere_surface", "sphere_tangent"]  # fmt: skip
+__all__ = [
+    "flat_edge",
+    "flat_grazing",
+    "flat_tilt",
+    "sphere_chord",
+    "sphere_near_far",
+    "sphere_port",
+    "sphere_surface",
+    "sphere_tangent",
+]
 
 _MISSES: Final = (0.0, 1e-15, -1e-15, 4e-15, -4e-15, 1e-12, -1e-12, 1e-8, -1e-8, 1e-3, -1e-3)
+
+
+_FLATS: Final[tuple[tuple[Any, Any], ...]] = (
+    (Rectangle, {"half_width": 1.0, "half_height": 2.0}),
+    (Disk, {"radius": 1.5}),
+)
 
 
 def _basis(r: random.Random) -> tuple[Triple, Triple]:
@@ -45,7 +59,9 @@ def sphere_tangent() -> Iterator[Case]:
         for miss in _MISSES:
             for away in (1.0, 40.0):
                 across, along = _basis(r)
-                start = [radius * ((1 + miss) * a - away * b) for a, b in zip(across, along, strict=True)]
+                start = [
+                    radius * ((1 + miss) * a - away * b) for a, b in zip(across, along, strict=True)
+                ]
                 yield turned(f"closest approach R(1 {miss:+g}), R = {radius:g}", ball, start, along)
             start = [radius * (1 + miss), 0.0, -3 * radius]
             yield turned(f"axis ray at R(1 {miss:+g}), R = {radius:g}", ball, start, (0, 0, 1))
@@ -60,7 +76,9 @@ def sphere_near_far() -> Iterator[Case]:
             for _ in range(3):
                 out, _ = _basis(r)
                 end = [0.7 * scale / ratio * x for x in _basis(r)[0]]
-                yield aimed(f"radius 1/{ratio:g} of the distance", tiny, [scale * x for x in out], end)
+                yield aimed(
+                    f"radius 1/{ratio:g} of the distance", tiny, [scale * x for x in out], end
+                )
             huge = (black(Sphere, scale, radius=ratio, at=(0, 0, -ratio)),)
             top = ratio * scale
             for height in (1.0, -1.0):
@@ -79,10 +97,14 @@ def sphere_surface() -> Iterator[Case]:
             for grazing in (1.0, 1e-3, 1e-9):
                 normal, across = _basis(r)
                 for sign in (1, -1):
-                    along = [math.sqrt(1 - grazing**2) * a + sign * grazing * n
-                             for a, n in zip(across, normal, strict=True)]  # fmt: skip
+                    along = [
+                        math.sqrt(1 - grazing**2) * a + sign * grazing * n
+                        for a, n in zip(across, normal, strict=True)
+                    ]
                     start = [0.7 * scale * (1 + off) * n for n in normal]
-                    yield turned(f"on the surface {off:+g}, grazing {grazing:g}", ball, start, along)
+                    yield turned(
+                        f"on the surface {off:+g}, grazing {grazing:g}", ball, start, along
+                    )
 
 
 def sphere_chord() -> Iterator[Case]:
@@ -94,8 +116,10 @@ def sphere_chord() -> Iterator[Case]:
             for plus in (False, False, True):
                 normal, across = _basis(r)
                 sign = 1 if plus else -1
-                along = [math.sqrt(1 - grazing**2) * a + sign * grazing * n
-                         for a, n in zip(across, normal, strict=True)]  # fmt: skip
+                along = [
+                    math.sqrt(1 - grazing**2) * a + sign * grazing * n
+                    for a, n in zip(across, normal, strict=True)
+                ]
                 start = [0.7 * scale * n for n in normal]
                 label = f"left the {'outside' if plus else 'inside'}, grazing {grazing:g}"
                 yield turned(label, ball, start, along, left=Left(0, 0, plus), must_hit=not plus)
@@ -107,13 +131,22 @@ def sphere_port() -> Iterator[Case]:
     for scale in SCALES:
         for tilt in ((0.0, 0.0), TILT):
             for f in (0.5, 0.1, 1e-6):
-                ball = (black(Sphere, scale, tilt=tilt, radius=0.7, port_fraction=f, at=(0.3, -0.2, 0.1)),)
+                ball = (
+                    black(
+                        Sphere, scale, tilt=tilt, radius=0.7, port_fraction=f, at=(0.3, -0.2, 0.1)
+                    ),
+                )
                 rim, high = 2 * math.sqrt(f * (1 - f)), 1 - 2 * f
                 for beside in (0.0, 1e-15, -1e-15, 1e-9, -1e-9):
                     phi = r.uniform(0, 2 * math.pi)
-                    end = [0.7 * scale * x for x in
-                           (rim * (1 + beside) * math.cos(phi), rim * (1 + beside) * math.sin(phi),
-                            high - beside * rim)]  # fmt: skip
+                    end = [
+                        0.7 * scale * x
+                        for x in (
+                            rim * (1 + beside) * math.cos(phi),
+                            rim * (1 + beside) * math.sin(phi),
+                            high - beside * rim,
+                        )
+                    ]
                     start = [0.2 * scale * r.uniform(-1, 1) for _ in range(3)]
                     yield aimed(f"rim of a port of {f:g}, {beside:+g}", ball, start, end)
 
@@ -123,14 +156,19 @@ def flat_grazing() -> Iterator[Case]:
     r = random.Random(6)
     for scale in SCALES:
         for tilt in ((0.0, 0.0), TILT):
-            for kind, sizes in ((Rectangle, {"half_width": 1.0, "half_height": 2.0}), (Disk, {"radius": 1.5})):
+            for kind, sizes in _FLATS:
                 one = (black(kind, scale, tilt=tilt, at=(0.3, -0.2, 0.1), **sizes),)
                 for angle in (1e-3, 1e-7, 1e-10, 1e-13, 1e-15):
                     for side in (1, -1):
                         a = r.uniform(0, 2 * math.pi)
                         reach = 2.5 * scale
                         start = (-reach * math.cos(a), -reach * math.sin(a), side * angle * reach)
-                        yield turned(f"{angle:g} rad off the plane", one, start, (math.cos(a), math.sin(a), -side * angle))
+                        yield turned(
+                            f"{angle:g} rad off the plane",
+                            one,
+                            start,
+                            (math.cos(a), math.sin(a), -side * angle),
+                        )
 
 
 def flat_edge() -> Iterator[Case]:
@@ -143,27 +181,46 @@ def flat_edge() -> Iterator[Case]:
             disk = (black(Disk, scale, tilt=tilt, at=at, radius=0.7),)
             for places in (0, 1, -1, 4, -4, 1000, -1000, 10**6, -(10**6)):
                 near = 1 + places * 2.0**-52
-                start = [scale * r.uniform(-1, 1), scale * r.uniform(-1, 1), scale * r.choice([1, -2])]
+                start = [
+                    scale * r.uniform(-1, 1),
+                    scale * r.uniform(-1, 1),
+                    scale * r.choice([1, -2]),
+                ]
                 v = scale * r.uniform(-0.3, 0.3)
                 yield aimed(f"edge, {places:+d} ulps", rect, start, (scale * near, v, 0))
-                yield aimed(f"corner, {places:+d} ulps", rect, start, (scale * near, -0.3 * scale * near, 0))
+                yield aimed(
+                    f"corner, {places:+d} ulps", rect, start, (scale * near, -0.3 * scale * near, 0)
+                )
                 a = r.uniform(0, 2 * math.pi)
                 rim = 0.7 * scale * near
-                yield aimed(f"rim, {places:+d} ulps", disk, start, (rim * math.cos(a), rim * math.sin(a), 0))
+                yield aimed(
+                    f"rim, {places:+d} ulps", disk, start, (rim * math.cos(a), rim * math.sin(a), 0)
+                )
             if tilt == (0.0, 0.0):
                 for places in (0, 1, -1, 20, -20):
                     half = rect[0].position[0] + scale
                     start_x = nudge(half, places)
                     origin = (start_x, rect[0].position[1], rect[0].position[2] + scale)
-                    yield Case(f"parallel to the normal, edge {places:+d} ulps", rect, origin, (0.0, 0.0, -1.0))
+                    yield Case(
+                        f"parallel to the normal, edge {places:+d} ulps",
+                        rect,
+                        origin,
+                        (0.0, 0.0, -1.0),
+                    )
 
 
 def flat_tilt() -> Iterator[Case]:
     """Tilts near 0 and near 90 degrees."""
     r = random.Random(8)
     for scale in SCALES:
-        for tilt in ((1e-8, 0.0), (0.0, -1e-8), (89.999999, 0.0), (0.0, 89.999999), (-89.999999, 1e-8)):
-            for kind, sizes in ((Rectangle, {"half_width": 1.0, "half_height": 2.0}), (Disk, {"radius": 1.5})):
+        for tilt in (
+            (1e-8, 0.0),
+            (0.0, -1e-8),
+            (89.999999, 0.0),
+            (0.0, 89.999999),
+            (-89.999999, 1e-8),
+        ):
+            for kind, sizes in _FLATS:
                 one = (black(kind, scale, tilt=tilt, at=(0.3, -0.2, 0.1), **sizes),)
                 for height in (1.0, 1e-6, 100.0):
                     end = [scale * r.uniform(-1.2, 1.2), scale * r.uniform(-2.2, 2.2), 0.0]
@@ -171,4 +228,9 @@ def flat_tilt() -> Iterator[Case]:
                     yield aimed(f"tilt {tilt[0]:g}, {tilt[1]:g} deg", one, start, end)
                 world = in_world(one[0], (0.1 * scale, 0.2 * scale, 0.0), point=True)
                 above = (world[0], world[1], world[2] + 3 * scale)
-                yield Case(f"down the world's axis, tilt {tilt[0]:g}, {tilt[1]:g} deg", one, above, (0.0, 0.0, -1.0))
+                yield Case(
+                    f"down the world's axis, tilt {tilt[0]:g}, {tilt[1]:g} deg",
+                    one,
+                    above,
+                    (0.0, 0.0, -1.0),
+                )

@@ -18,6 +18,8 @@ from photizon_cl.surfaces import Absorber
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from numpy.typing import NDArray
+
     from photizon_cl.elements import Element
     from photizon_cl.surfaces import Surface
 
@@ -26,8 +28,12 @@ __all__ = ["nearly_coincident", "room", "shared_edges", "shared_rims", "touching
 _GAP: Final = 1e-12
 
 
-def room(low: Sequence[float], high: Sequence[float], tilt: tuple[float, float] = (0.0, 0.0),
-         surface: Surface | None = None) -> tuple[Element, ...]:  # fmt: skip
+def room(
+    low: Sequence[float],
+    high: Sequence[float],
+    tilt: tuple[float, float] = (0.0, 0.0),
+    surface: Surface | None = None,
+) -> tuple[Element, ...]:
     """Return the six walls of a closed box, normals inwards.
 
     Parameters
@@ -62,9 +68,17 @@ def room(low: Sequence[float], high: Sequence[float], tilt: tuple[float, float] 
             u, v = (along + 2) % 3, (along + 1) % 3
             axis = "+" + "xyz"[(along + 1) % 3]
         x, y, z = (np.array(middle) @ rows).tolist() if angle else middle
-        walls.append(Rectangle(name=f"wall {n}", position=(x, y, z), axis=axis, tilt_deg=turn,
-                               half_width=half[u], half_height=half[v],
-                               surface=surface or Absorber()))  # fmt: skip
+        walls.append(
+            Rectangle(
+                name=f"wall {n}",
+                position=(x, y, z),
+                axis=axis,
+                tilt_deg=turn,
+                half_width=half[u],
+                half_height=half[v],
+                surface=surface or Absorber(),
+            )
+        )
     return tuple(walls)
 
 
@@ -76,23 +90,36 @@ def nearly_coincident() -> Iterator[Case]:
             w = frame("+z", tilt)[2]
             for order in (0, 1):
                 low = black(Rectangle, scale, tilt=tilt, half_width=1, half_height=1, name="low")
-                high = black(Disk, scale, tilt=tilt, radius=1.4, at=[_GAP * x for x in w], name="high")
+                high = black(
+                    Disk, scale, tilt=tilt, radius=1.4, at=[_GAP * x for x in w], name="high"
+                )
                 pair = (low, high) if order else (high, low)
                 for side in (1, -1):
                     end = [scale * r.uniform(-0.6, 0.6) for _ in range(2)]
                     start = [scale * r.uniform(-1, 1) for _ in range(2)]
                     yield aimed("parallel faces", pair, (*start, side * scale), (*end, 0.0))
                 inside = (0.1 * scale, 0.2 * scale, 0.0)
-                yield turned("from one face to the other", (low, high), inside, (0.3, 0.2, 0.9), left=Left(0, 0, plus=True))
+                yield turned(
+                    "from one face to the other",
+                    (low, high),
+                    inside,
+                    (0.3, 0.2, 0.9),
+                    left=Left(0, 0, plus=True),
+                )
         for factor in (1 + _GAP, 1 + 1e-9):
             inner = black(Sphere, scale, radius=0.7, name="inner")
             outer = black(Sphere, scale, radius=0.7 * factor, name="outer")
-            for start in ((0.1, 0.2, 0.3), (2.0, 1.0, -3.0)):
+            for place in ((0.1, 0.2, 0.3), (2.0, 1.0, -3.0)):
                 along = [r.gauss(0, 1) for _ in range(3)]
-                if start[0] > 1:
-                    along = [-x + 0.1 * y for x, y in zip(start, along, strict=True)]
+                if place[0] > 1:
+                    along = [-x + 0.1 * y for x, y in zip(place, along, strict=True)]
                 for pair in ((inner, outer), (outer, inner)):
-                    yield turned(f"shells R and R(1 {factor - 1:+g})", pair, [scale * x for x in start], along)
+                    yield turned(
+                        f"shells R and R(1 {factor - 1:+g})",
+                        pair,
+                        [scale * x for x in place],
+                        along,
+                    )
 
 
 def touching() -> Iterator[Case]:
@@ -102,8 +129,15 @@ def touching() -> Iterator[Case]:
         plate = black(Rectangle, scale, half_width=2, half_height=2, name="plate")
         ball = black(Sphere, scale, radius=0.7, at=(0, 0, 0.7), name="ball")
         lens = black(PlanoConvex, scale, curvature_radius=1.5, aperture_radius=1, name="lens")
-        double = black(Biconvex, scale, front_radius=2, back_radius=1.5, aperture_radius=1, name="double",
-                       at=(0, 0, 1.5 - math.sqrt(1.25)))  # fmt: skip
+        double = black(
+            Biconvex,
+            scale,
+            front_radius=2,
+            back_radius=1.5,
+            aperture_radius=1,
+            name="double",
+            at=(0, 0, 1.5 - math.sqrt(1.25)),
+        )
         other = black(Sphere, scale, radius=0.35, at=(0, 0, 1.75), name="other")
         for body in (ball, lens, double):
             for beside in (0.0, 1e-12, 1e-6, 0.3):
@@ -111,22 +145,37 @@ def touching() -> Iterator[Case]:
                 end = (scale * beside * math.cos(phi), scale * beside * math.sin(phi), 0.0)
                 for side in (1, -1):
                     start = (scale * r.uniform(-2, 2), scale * r.uniform(-2, 2), scale * side)
-                    yield aimed(f"{body.kind} on a plate, {beside:g} from the contact", (plate, body), start, end)
+                    yield aimed(
+                        f"{body.kind} on a plate, {beside:g} from the contact",
+                        (plate, body),
+                        start,
+                        end,
+                    )
                 start = (scale * r.uniform(-1, 1), scale * r.uniform(-1, 1), 0.0)
-                yield aimed(f"from the plate, {beside:g}", (plate, body), start, (end[0], end[1], 0.1 * scale), left=Left(0, 0, plus=True))
+                yield aimed(
+                    f"from the plate, {beside:g}",
+                    (plate, body),
+                    start,
+                    (end[0], end[1], 0.1 * scale),
+                    left=Left(0, 0, plus=True),
+                )
         for beside in (0.0, 1e-9, 1e-3):
             point = (scale * beside, 0.0, 1.4 * scale)
             start = (2 * scale, 0.3 * scale, scale * r.uniform(1, 2))
-            yield aimed(f"tangent spheres, {beside:g} from the contact", (plate, ball, other), start, point)
+            yield aimed(
+                f"tangent spheres, {beside:g} from the contact", (plate, ball, other), start, point
+            )
 
 
 def shared_rims() -> Iterator[Case]:
-    """A CPC closed by disks and a lens in a ring: rays at the shared rims from inside."""
+    """Rays at the rims that a CPC shares with disks over its ends, from inside."""
     r = random.Random(43)
     for scale in SCALES:
         for tilt in ((0.0, 0.0), TILT):
             for angle in (20.0, 60.0):
-                cpc = black(Cpc, scale, tilt=tilt, exit_radius=0.7, acceptance_deg=angle, name="cpc")
+                cpc = black(
+                    Cpc, scale, tilt=tilt, exit_radius=0.7, acceptance_deg=angle, name="cpc"
+                )
                 assert isinstance(cpc, Cpc)
                 wide, length = cpc.entrance_radius, cpc.length
                 w = frame("+z", tilt)[2]
@@ -137,21 +186,41 @@ def shared_rims() -> Iterator[Case]:
                     for beside in (0.0, 1e-16, -1e-16, 1e-12, -1e-12):
                         phi = r.uniform(0, 2 * math.pi)
                         k = rim * (1 + beside)
-                        start = (0.2 * cpc.exit_radius * r.uniform(-1, 1), 0.1 * cpc.exit_radius, length * r.uniform(0.2, 0.8))
-                        yield aimed(f"rim at {z:.3g}, {beside:+g}", closed, start,
-                                    (k * math.cos(phi), k * math.sin(phi), z), must_hit=abs(beside) < 1e-15)  # fmt: skip
+                        start = (
+                            0.2 * cpc.exit_radius * r.uniform(-1, 1),
+                            0.1 * cpc.exit_radius,
+                            length * r.uniform(0.2, 0.8),
+                        )
+                        yield aimed(
+                            f"rim at {z:.3g}, {beside:+g}",
+                            closed,
+                            start,
+                            (k * math.cos(phi), k * math.sin(phi), z),
+                            must_hit=abs(beside) < 1e-15,
+                        )
                 edge = cpc.exit_radius
                 start = (edge * math.cos(1.0), edge * math.sin(1.0), 0.0)
                 for lean in (-0.3, 0.0):
                     along = (lean * math.cos(1.1), lean * math.sin(1.1), 1.0)
-                    yield turned("from the disk's rim", closed, start, along, left=Left(1, 0, plus=True), must_hit=True)
+                    yield turned(
+                        "from the disk's rim",
+                        closed,
+                        start,
+                        along,
+                        left=Left(1, 0, plus=True),
+                        must_hit=True,
+                    )
 
 
 def shared_edges() -> Iterator[Case]:
     """Rays at the edges and corners of closed rooms, from inside and from their walls."""
     r = random.Random(44)
-    boxes = [((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)), ((0.1, 0.1, 0.1), (0.4, 0.5, 0.7)),
-             ((1e3, -2e3, 0.3), (1e3 + 1, -2e3 + 1, 1.3)), ((0.0, 0.0, 0.0), (0.3, 1.1, 0.7))]  # fmt: skip
+    boxes = [
+        ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)),
+        ((0.1, 0.1, 0.1), (0.4, 0.5, 0.7)),
+        ((1e3, -2e3, 0.3), (1e3 + 1, -2e3 + 1, 1.3)),
+        ((0.0, 0.0, 0.0), (0.3, 1.1, 0.7)),
+    ]
     tilts = [(0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (33.3, 0.0), (0.0, -71.7)]
     for scale in (1e-9, 1.0, 1e9):
         for (low, high), tilt in zip([*boxes, boxes[3]], [*tilts[:3], *tilts[3:]], strict=True):
@@ -166,12 +235,23 @@ def shared_edges() -> Iterator[Case]:
                 yield _towards("an edge", walls, start @ rows, edge @ rows)
                 if edge[2] != a[2]:
                     floor = [*start[:2], a[2]]
-                    yield _towards("an edge, from the floor", walls, floor @ rows, edge @ rows,
-                                   left=Left(4, 0, plus=True))  # fmt: skip
+                    yield _towards(
+                        "an edge, from the floor",
+                        walls,
+                        floor @ rows,
+                        edge @ rows,
+                        left=Left(4, 0, plus=True),
+                    )
 
 
-def _towards(label: str, scene: tuple[Element, ...], start: Sequence[float], end: Sequence[float],
-             *, left: Left | None = None) -> Case:  # fmt: skip
+def _towards(
+    label: str,
+    scene: tuple[Element, ...],
+    start: NDArray[np.float64],
+    end: NDArray[np.float64],
+    *,
+    left: Left | None = None,
+) -> Case:
     """Return the case of a ray between world points that must hit something."""
     d = np.subtract(end, start)
     d /= np.linalg.norm(d)

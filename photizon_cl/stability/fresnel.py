@@ -11,7 +11,16 @@ import numpy as np
 
 from hostcode.probe import follow_rays
 from photizon_cl.elements import Rectangle
-from photizon_cl.stability.digits import DIGITS, UNIT, Vector, add, load_mpmath, norm, scaled, vector
+from photizon_cl.stability.digits import (
+    DIGITS,
+    UNIT,
+    Vector,
+    add,
+    load_mpmath,
+    norm,
+    scaled,
+    vector,
+)
 from photizon_cl.stability.measure import Measured, compile_elements
 from photizon_cl.stability.oracle import FIRM
 from photizon_cl.surfaces import Fresnel
@@ -25,9 +34,16 @@ __all__ = ["FresnelCase", "fresnel_cases", "measure_fresnel"]
 
 _STEP: Final = 1e-25
 _PAIRS: Final = (
-    (1.0, 1.5), (1.5, 1.0), (1.0, 1.0 + 1e-12), (1.0 + 1e-12, 1.0), (1.5, 1.5 * (1 + 1e-9)),
-    (4.0, 1.0), (1.0, 4.0), (1.7, 1.3), (1.0, 1.0),
-)  # fmt: skip
+    (1.0, 1.5),
+    (1.5, 1.0),
+    (1.0, 1.0 + 1e-12),
+    (1.0 + 1e-12, 1.0),
+    (1.5, 1.5 * (1 + 1e-9)),
+    (4.0, 1.0),
+    (1.0, 4.0),
+    (1.7, 1.3),
+    (1.0, 1.0),
+)
 """Indices on the side of incidence and behind."""
 
 
@@ -52,11 +68,15 @@ class FresnelCase:
 
 
 def fresnel_cases() -> Iterator[FresnelCase]:
-    """Normal and grazing incidence, Brewster's angle, the critical angle, equal indices."""
+    """Return rays at normal and grazing incidence, Brewster's angle, the critical angle."""
     r = random.Random(51)
     for first, second in _PAIRS:
-        cosines = [("normal", 1.0), ("nearly normal", 1 - 1e-12), ("45 deg", math.sqrt(0.5)),
-                   ("Brewster", first / math.hypot(first, second))]  # fmt: skip
+        cosines = [
+            ("normal", 1.0),
+            ("nearly normal", 1 - 1e-12),
+            ("45 deg", math.sqrt(0.5)),
+            ("Brewster", first / math.hypot(first, second)),
+        ]
         cosines += [(f"grazing {c:g}", c) for c in (1e-3, 1e-6, 1e-9, 1e-12, 1e-15)]
         if first > second:
             with load_mpmath().workdps(DIGITS):
@@ -70,7 +90,9 @@ def fresnel_cases() -> Iterator[FresnelCase]:
                 z = -cosine if from_outside else cosine
                 outside, inside = (first, second) if from_outside else (second, first)
                 label = f"{name}, {first:.13g} to {second:.13g}"
-                yield FresnelCase(label, outside, inside, (sine * math.cos(phi), sine * math.sin(phi), z))
+                yield FresnelCase(
+                    label, outside, inside, (sine * math.cos(phi), sine * math.sin(phi), z)
+                )
 
 
 def _exact(x: Vector) -> tuple[Any, Any, Any, Vector, Vector]:
@@ -138,7 +160,9 @@ def _compare(case: FresnelCase, outcome: dict[str, Any]) -> Measured:
     return Measured(case.label, firm, not nan, errors, relative, "NaN" if nan else "")
 
 
-def measure_fresnel(device: OpenDevice, cases: Sequence[FresnelCase] | None = None) -> list[Measured]:
+def measure_fresnel(
+    device: OpenDevice, cases: Sequence[FresnelCase] | None = None
+) -> list[Measured]:
     """Send rays through plates and compare weights and directions with the oracle.
 
     Parameters
@@ -153,8 +177,14 @@ def measure_fresnel(device: OpenDevice, cases: Sequence[FresnelCase] | None = No
         plates.setdefault((case.outside, case.inside), []).append(case)
     found = []
     for (outside, inside), members in plates.items():
-        plate = Rectangle(name="plate", position=(0.0, 0.0, 0.0), axis="+z", half_width=2.0,
-                          half_height=2.0, surface=Fresnel(index=inside, index_outside=outside))  # fmt: skip
+        plate = Rectangle(
+            name="plate",
+            position=(0.0, 0.0, 0.0),
+            axis="+z",
+            half_width=2.0,
+            half_height=2.0,
+            surface=Fresnel(index=inside, index_outside=outside),
+        )
         compiled = compile_elements((plate,))
         directions = np.array([case.direction for case in members])
         followed = follow_rays(device, compiled.tables, np.hstack([-directions, directions]), 1)
@@ -165,11 +195,11 @@ def measure_fresnel(device: OpenDevice, cases: Sequence[FresnelCase] | None = No
             outcome = {
                 "R": other if through else weight,
                 "T": weight if through else 0.0,
-                "reflected": (followed.other_direction[n, 0] if other else None) if through else along,
+                "reflected": (followed.other_direction[n, 0] if other else None)
+                if through
+                else along,
                 "transmitted": along if through else None,
             }
             with load_mpmath().workdps(DIGITS):
                 found.append(_compare(case, outcome))
     return found
-
-

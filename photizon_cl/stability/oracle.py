@@ -83,8 +83,13 @@ class _Posed:
         tilted = element.tilt_deg != (0.0, 0.0)
         sizes = sizes_of(element)
         zeros = [mpf(0)] * 3
-        self.x: Vector = [*vector(case.origin), *vector(case.direction), *vector(element.position),
-                          *zeros, *sizes]  # fmt: skip
+        self.x: Vector = [
+            *vector(case.origin),
+            *vector(case.direction),
+            *vector(element.position),
+            *zeros,
+            *sizes,
+        ]
         exact = element.family == "flat" or element.kind == "baffled-tube"
         if exact and not tilted:  # no operation there mixes components
             of_ray = [*map(abs, case.origin), *map(abs, case.direction)]
@@ -149,7 +154,9 @@ def _candidate(posed: _Posed, index: int, t: Any) -> tuple[Candidate, list[tuple
     face = posed.faces[index]
     point, normal, margins = posed.outputs(face, posed.x, t)
     tiny = mp.mpf(_STEP) * (abs(t) + max(map(abs, posed.scales[:3])) + posed.scales[12])
-    slope = (posed.value(face, posed.x, t + tiny) - posed.value(face, posed.x, t - tiny)) / (2 * tiny)
+    slope = (posed.value(face, posed.x, t + tiny) - posed.value(face, posed.x, t - tiny)) / (
+        2 * tiny
+    )
     k_t, k_p, k_n = abs(t), norm(point), mp.mpf(1)
     k_m = [abs(m) for m in margins]
     for i, scale in enumerate(posed.scales):
@@ -174,7 +181,10 @@ def _roots(case: Case, posed: _Posed, index: int) -> list[tuple[Any, bool, bool]
     local_d = posed.to_local(x, d)
     roots = face.roots(local_o, local_d, x[12:])
     bound = FIRM * UNIT
-    departed = case.left is not None and (case.left.element, case.left.face) == (posed.number, index)
+    departed = case.left is not None and (case.left.element, case.left.face) == (
+        posed.number,
+        index,
+    )
     found = [(t, True, True) for t in roots.at]
     if roots.turning is not None:
         depth = -posed.value(face, x, roots.turning)
@@ -189,8 +199,9 @@ def _roots(case: Case, posed: _Posed, index: int) -> list[tuple[Any, bool, bool]
     on_face = abs(posed.value(face, x, 0)) <= bound * posed.sensitivity(face, 0)
     if on_face and found:
         nearest = min(found, key=lambda root: abs(root[0]))
-        found = [(t, certain and (t, certain, smooth) != nearest, smooth)
-                 for t, certain, smooth in found]  # fmt: skip
+        found = [
+            (t, certain and (t, certain, smooth) != nearest, smooth) for t, certain, smooth in found
+        ]
     return found
 
 

@@ -3,26 +3,33 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.stability import families, families_local, families_mixed
-from photizon_cl.stability.case import Case
 from photizon_cl.stability.fresnel import measure_fresnel
 from photizon_cl.stability.measure import Measured, measure
 from photizon_cl.stability.oracle import FIRM
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from os import PathLike
 
     from hostcode.device import OpenDevice
+    from photizon_cl.stability.case import Case
 
 __all__ = ["BOUND", "FAMILIES", "Row", "stability_report", "table", "write_figure"]
 
 BOUND: Final = 8.0
 """Largest error allowed, in units of u·K."""
+
+_LEGEND: Final = f"""\
+ulps: error / (u K), the largest of distance, point and normal (Fresnel: weights, directions);
+u = 2^-53 and K = sum of |d output / d input| * |input| + |output| over the case's own doubles:
+an exact solution of inputs that are each one unit roundoff off has at most 1. condition: the
+largest K relative to its output. firm: no inputs within {FIRM:.0f} such roundoffs change the hit;
+elsewhere any answer that they give is right. wrong: a decision that is not among the right
+ones, or not a number."""
 
 FAMILIES: Final[dict[str, Callable[[], Iterator[Case]]]] = {
     "sphere, tangent": families.sphere_tangent,
@@ -132,8 +139,10 @@ def stability_report(device: OpenDevice, only: Sequence[str] = ()) -> list[Row]:
 
 def table(rows: Sequence[Row]) -> str:
     """Return the report as text."""
-    head = (f"{'family':22} {'cases':>6} {'firm':>6} {'wrong':>6} {'worst ulps':>11} {'bound':>6} "
-            f"{'condition':>10}  worst case")  # fmt: skip
+    head = (
+        f"{'family':22} {'cases':>6} {'firm':>6} {'wrong':>6} {'worst ulps':>11} {'bound':>6} "
+        f"{'condition':>10}  worst case"
+    )
     lines = [head, "-" * len(head)]
     for row in rows:
         mark = "" if row.passed else "  FAILED"
@@ -145,19 +154,7 @@ def table(rows: Sequence[Row]) -> str:
     total, wrong = sum(r.cases for r in rows), sum(len(r.wrong) for r in rows)
     worst = max((r.worst for r in rows), default=0.0)
     lines.append(f"{'all':22} {total:6d} {sum(r.firm for r in rows):6d} {wrong:6d} {worst:11.2f}")
-    lines += [
-        "",
-        "ulps: error / (u K), the largest of distance, point and normal (Fresnel: weights and "
-        "directions);",
-        "u = 2^-53 and K = sum of |d output / d input| * |input| + |output|, over the case's own "
-        "doubles: an",
-        "exact solution of inputs that are each one unit roundoff off has at most 1. condition: the "
-        "largest K",
-        f"relative to its output. firm: no inputs within {FIRM:.0f} such roundoffs change what is "
-        "hit; elsewhere any",
-        "answer that they give is right. wrong: a decision that is not among the right ones, or "
-        "not a number.",
-    ]
+    lines += ["", _LEGEND]
     return "\n".join(lines)
 
 
@@ -186,7 +183,9 @@ def write_figure(rows: Sequence[Row], path: str | PathLike[str]) -> None:
     axes.set_yscale("log")
     axes.set_xticks(range(len(rows)), [row.family for row in rows], rotation=60, ha="right")
     axes.set_ylabel("error / (u K): ulps of a backward-stable solution")
-    axes.set_title("Hard cases against 60-digit arithmetic; each point is a case, cases sorted by error")
+    axes.set_title(
+        "Hard cases against 60-digit arithmetic; each point is a case, cases sorted by error"
+    )
     axes.grid(axis="y", alpha=0.3)
     axes.legend(loc="upper left")
     figure.savefig(path, dpi=150)

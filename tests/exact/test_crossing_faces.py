@@ -1,4 +1,4 @@
-"""Faces that cross each other, and hits that tie to within rounding: no leak, no trap, one order."""
+"""Faces that cross, and hits that tie to within rounding: no leak, no trap, one order."""
 
 from __future__ import annotations
 
@@ -47,27 +47,31 @@ def test_hits_that_tie_have_one_order_in_tree_and_scan() -> None:
     gap = 2.0**-50
 
     def plate(name, z, x, half):
-        return {"name": name, "kind": "rectangle", "position": [x, 0.0, z], "axis": "+z",
-                "half_width": half, "half_height": 1.0, "surface": {"kind": "absorber"}}  # fmt: skip
+        size = {"half_width": half, "half_height": 1.0, "surface": {"kind": "absorber"}}
+        return {"name": name, "kind": "rectangle", "position": [x, 0.0, z], "axis": "+z", **size}
 
     lamp = {"name": "s", "kind": "isotropic-point", "flux": 1.0, "position": [0, 0, 1.0]}
     g = np.random.default_rng(1)
     device = open_device()
-    for order in itertools.permutations("ABC"):
+    for order in list(itertools.permutations("ABC")) * 20:
         far = [plate(f"f{i}", 30.0 - 60.0 * (i % 2), float(g.uniform(-10, 10)), 0.3)
                for i in range(60)]  # fmt: skip
-        tied = {"A": plate("A", 0.0, 3.0, 4.0), "B": plate("B", -gap, 2.0, 2.0),
-                "C": plate("C", -gap, -5.0, 6.0)}  # fmt: skip
+        a, c = g.uniform(-8.0, 8.0, 2)
+        half = float(2.0 ** g.integers(0, 4))
+        tied = {
+            "A": plate("A", 0.0, float(a), abs(float(a)) + 1.0),
+            "B": plate("B", -gap, half * float(g.choice([-1.0, 1.0])), half),
+            "C": plate("C", -gap, float(c), abs(float(c)) + 1.0),
+        }
         elements = [tied[name] for name in order] + far
-        scene = pz.load({"schema": "photizon/1", "name": "ties", "source": [lamp],
-                         "element": elements})  # fmt: skip
+        scene = pz.load(
+            {"schema": "photizon/1", "name": "ties", "source": [lamp], "element": elements}
+        )
         hit = set()
         for accelerate in (False, True):
             tables = compile_scene(scene, scene.run, accelerate=accelerate).tables
-            for mate in ([1, 0, 0], [-1, 0, 0], [0.6, 0, -0.8], [-0.6, 0, -0.8]):
-                directions = np.tile(np.array(mate, float), (16, 1))
-                directions[0] = [0, 0, -1.0]
-                origins = np.tile([0.0, 0.0, 1.0], (16, 1))
-                _, found = probe_rays(device, tables, np.hstack([origins, directions]), 16)
-                hit.add(elements[int(found[0])]["name"])
+            origins = np.tile([0.0, 0.0, 1.0], (16, 1))
+            directions = np.tile([0.0, 0.0, -1.0], (16, 1))
+            _, found = probe_rays(device, tables, np.hstack([origins, directions]), 16)
+            hit.add(elements[int(found[0])]["name"])
         assert len(hit) == 1, (order, hit)

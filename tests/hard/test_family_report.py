@@ -54,7 +54,10 @@ def test_without_mpmath_it_says_what_to_install(tmp_path: Path) -> None:
     path = os.pathsep.join((str(tmp_path), root))
     done = subprocess.run(
         [sys.executable, "-m", "photizon_cl.stability"],
-        env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 1
     assert "pip install 'photizon-cl[test]'" in done.stderr

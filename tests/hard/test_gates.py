@@ -21,28 +21,86 @@ if TYPE_CHECKING:
     from oracles.engine import Traced
 
 AXES = "xyz"
-LENGTHS = {"radius", "half_width", "half_height", "length", "clear_half_width", "exit_radius",
-           "curvature_radius", "front_radius", "back_radius", "aperture_radius"}  # fmt: skip
+LENGTHS = {
+    "radius",
+    "half_width",
+    "half_height",
+    "length",
+    "clear_half_width",
+    "exit_radius",
+    "curvature_radius",
+    "front_radius",
+    "back_radius",
+    "aperture_radius",
+}
 LEVEL, LEAN = (0.0, 0.0), (30.0, -50.0)
 
 
 def rows(tilt: tuple[float, float]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Return sources and elements, one of each kind; all positions are short binary fractions."""
-    lamp = {"kind": "lambertian-disk", "flux": 1.0, "position": [0.0, 0.0, 0.0], "axis": "+z", "radius": 0.25}
-    beam = {"kind": "collimated-disk", "flux": 1.0, "position": [0.125, 0.25, -1.0], "axis": "+x", "radius": 0.5}
+    lamp = {
+        "kind": "lambertian-disk",
+        "flux": 1.0,
+        "position": [0.0, 0.0, 0.0],
+        "axis": "+z",
+        "radius": 0.25,
+    }
+    beam = {
+        "kind": "collimated-disk",
+        "flux": 1.0,
+        "position": [0.125, 0.25, -1.0],
+        "axis": "+x",
+        "radius": 0.5,
+    }
     elements: list[dict[str, Any]] = [
-        {"kind": "rectangle", "position": [0.0, 0.0, -1.75], "half_width": 1.5, "half_height": 2.0, **mirror(0.9)},
+        {
+            "kind": "rectangle",
+            "position": [0.0, 0.0, -1.75],
+            "half_width": 1.5,
+            "half_height": 2.0,
+            **mirror(0.9),
+        },
         {"kind": "disk", "position": [2.25, 0.25, -0.5], "radius": 1.0, **BLACK},
         {"kind": "sphere", "position": [-2.0, 0.0, 0.5], "radius": 0.75, **glass(1.5)},
-        {"kind": "sphere", "position": [0.0, 2.5, 1.0], "radius": 1.0, "port_fraction": 0.25, **mirror(0.8)},
-        {"kind": "cpc", "position": [0.0, -3.0, 1.0], "exit_radius": 0.5, "acceptance_deg": 40.0, **mirror(0.95)},
-        {"kind": "baffled-tube", "position": [0.0, 0.0, 1.75], "half_width": 0.5, "length": 2.0,
-         "baffles": 2, "clear_half_width": 0.25, **mirror(0.7)},
-        {"kind": "plano-convex", "position": [1.5, -1.5, 0.75], "curvature_radius": 1.5,
-         "aperture_radius": 0.75, **glass(1.7)},
-        {"kind": "biconvex", "position": [0.125, 0.0, 0.75], "front_radius": 1.5, "back_radius": 2.0,
-         "aperture_radius": 0.75, **glass(1.5)},
-    ]  # fmt: skip
+        {
+            "kind": "sphere",
+            "position": [0.0, 2.5, 1.0],
+            "radius": 1.0,
+            "port_fraction": 0.25,
+            **mirror(0.8),
+        },
+        {
+            "kind": "cpc",
+            "position": [0.0, -3.0, 1.0],
+            "exit_radius": 0.5,
+            "acceptance_deg": 40.0,
+            **mirror(0.95),
+        },
+        {
+            "kind": "baffled-tube",
+            "position": [0.0, 0.0, 1.75],
+            "half_width": 0.5,
+            "length": 2.0,
+            "baffles": 2,
+            "clear_half_width": 0.25,
+            **mirror(0.7),
+        },
+        {
+            "kind": "plano-convex",
+            "position": [1.5, -1.5, 0.75],
+            "curvature_radius": 1.5,
+            "aperture_radius": 0.75,
+            **glass(1.7),
+        },
+        {
+            "kind": "biconvex",
+            "position": [0.125, 0.0, 0.75],
+            "front_radius": 1.5,
+            "back_radius": 2.0,
+            "aperture_radius": 0.75,
+            **glass(1.5),
+        },
+    ]
     for element in elements:
         element |= {"axis": "+z", "tilt_deg": list(tilt)}
     elements[1] |= {"axis": "-x"}
@@ -128,8 +186,13 @@ ALLOWED = {
     "prelude.mako": {"0x1p-53"},  # the unit roundoff: bounds are multiples of it and of a size
     "effects/acceleration.mako": {"0x1p-44"},  # relative: times coordinates
 }
-COEFFICIENTS = {"lib/elementary.mako", "lib/philox.mako", "lib/limbs.mako", "lib/ledger.mako",
-                "stages/selftest.mako"}  # fmt: skip
+COEFFICIENTS = {
+    "lib/elementary.mako",
+    "lib/philox.mako",
+    "lib/limbs.mako",
+    "lib/ledger.mako",
+    "stages/selftest.mako",
+}
 """Polynomials, and units of draws and of exact tallies: no geometry."""
 
 

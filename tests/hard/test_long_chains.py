@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -33,7 +32,9 @@ SILVER, WHITE = Mirror(1.0), Lambertian(1.0)
 PLACES = [((0.0, 0.0, 0.0), (0.0, 0.0)), ((0.3, -0.2, 0.1), TILT)]
 
 
-def follow(elements: Sequence[Element], starts: Any, along: Any, steps: int, **how: Any) -> Followed:
+def follow(
+    elements: Sequence[Element], starts: Any, along: Any, steps: int, **how: Any
+) -> Followed:
     compiled = compile_elements(elements)
     rays = np.hstack([np.subtract(starts, compiled.shift), along])
     found = follow_rays(open_device(), compiled.tables, rays, steps, **how)
@@ -88,8 +89,15 @@ def test_a_box_of_mirrors_keeps_the_size_of_each_component() -> None:
 
 @pytest.mark.parametrize(("at", "tilt"), PLACES)
 def test_a_light_pipe_keeps_the_size_of_each_component(at: Any, tilt: Any) -> None:
-    pipe = BaffledTube(name="pipe", position=at, axis="+z", tilt_deg=tilt, half_width=0.05,
-                       length=400.0, surface=SILVER)  # fmt: skip
+    pipe = BaffledTube(
+        name="pipe",
+        position=at,
+        axis="+z",
+        tilt_deg=tilt,
+        half_width=0.05,
+        length=400.0,
+        surface=SILVER,
+    )
     rows = np.array(pipe.frame)
     r = np.random.default_rng(2)
     aside = unit(r.normal(size=(20, 2)))
@@ -113,8 +121,15 @@ def skew(p: np.ndarray, d: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("angle", [0.1, 20.0, 75.0])
 def test_a_cpc_keeps_the_skew_invariant(at: Any, tilt: Any, angle: float) -> None:
     """h = x·dy − y·dx about the axis, ray by ray, to 1e-13 of the radius."""
-    cpc = Cpc(name="cpc", position=at, axis="+z", tilt_deg=tilt, exit_radius=0.7,
-              acceptance_deg=angle, surface=SILVER)  # fmt: skip
+    cpc = Cpc(
+        name="cpc",
+        position=at,
+        axis="+z",
+        tilt_deg=tilt,
+        exit_radius=0.7,
+        acceptance_deg=angle,
+        surface=SILVER,
+    )
     rows = np.array(cpc.frame)
     r = np.random.default_rng(3)
     n, wide = 300, cpc.entrance_radius
@@ -122,7 +137,9 @@ def test_a_cpc_keeps_the_skew_invariant(at: Any, tilt: Any, angle: float) -> Non
     starts = np.stack([radius * np.cos(phi), radius * np.sin(phi), np.full(n, cpc.length)], axis=1)
     lean = np.radians(1.2 * angle) * r.random(n)
     psi = 2 * math.pi * r.random(n)
-    along = np.stack([np.sin(lean) * np.cos(psi), np.sin(lean) * np.sin(psi), -np.cos(lean)], axis=1)
+    along = np.stack(
+        [np.sin(lean) * np.cos(psi), np.sin(lean) * np.sin(psi), -np.cos(lean)], axis=1
+    )
     found = follow([cpc], starts @ rows + at, unit(along @ rows), 60)
     p, d = local(cpc, found)
     drift = np.abs(skew(p, d) - skew(starts, along)[:, None])
@@ -136,8 +153,14 @@ def test_a_cpc_keeps_the_skew_invariant(at: Any, tilt: Any, angle: float) -> Non
 
 def test_a_cpc_closed_at_both_ends_keeps_its_rays() -> None:
     """Thousands of bounces in a CPC with mirrors on both apertures: no ray is lost."""
-    cpc = Cpc(name="cpc", position=(0.0, 0.0, 0.0), axis="+z", exit_radius=0.7, acceptance_deg=40.0,
-              surface=SILVER)  # fmt: skip
+    cpc = Cpc(
+        name="cpc",
+        position=(0.0, 0.0, 0.0),
+        axis="+z",
+        exit_radius=0.7,
+        acceptance_deg=40.0,
+        surface=SILVER,
+    )
     ends = [
         Disk(name=name, position=(0.0, 0.0, z), axis="+z", radius=radius, surface=SILVER)
         for name, z, radius in (("exit", 0.0, 0.7), ("lid", cpc.length, cpc.entrance_radius))
@@ -172,11 +195,28 @@ def test_lenses_keep_the_skew_invariant(at: Any, tilt: Any) -> None:
     """n·h is kept from before the lens to behind it, ray by ray; so the étendue is."""
     glass = Fresnel(index=1.7)
     lenses: list[Element] = [
-        Biconvex(name="lens", position=at, axis="+z", tilt_deg=tilt, aperture_radius=1.0,
-                 surface=glass, **shape) for shape in LENSES
-    ]  # fmt: skip
-    lenses.append(PlanoConvex(name="lens", position=at, axis="+z", tilt_deg=tilt, surface=glass,
-                              aperture_radius=1.0, curvature_radius=1.5))  # fmt: skip
+        Biconvex(
+            name="lens",
+            position=at,
+            axis="+z",
+            tilt_deg=tilt,
+            aperture_radius=1.0,
+            surface=glass,
+            **shape,
+        )
+        for shape in LENSES
+    ]
+    lenses.append(
+        PlanoConvex(
+            name="lens",
+            position=at,
+            axis="+z",
+            tilt_deg=tilt,
+            surface=glass,
+            aperture_radius=1.0,
+            curvature_radius=1.5,
+        )
+    )
     r = np.random.default_rng(5)
     for lens in lenses:
         rows = np.array(lens.frame)
@@ -205,19 +245,32 @@ def closed() -> dict[str, tuple[list[Element], tuple[float, float, float]]]:
     bodies: dict[str, tuple[list[Element], tuple[float, float, float]]] = {}
     for name, surface in (("mirrors", SILVER), ("matt", WHITE)):
         bodies |= {
-            f"room of {name}": (list(room((0.1, 0.1, 0.1), (0.4, 0.5, 0.7), surface=surface)), (0.2, 0.3, 0.4)),
+            f"room of {name}": (
+                list(room((0.1, 0.1, 0.1), (0.4, 0.5, 0.7), surface=surface)),
+                (0.2, 0.3, 0.4),
+            ),
             f"tilted room of {name}": (
                 list(room((0.0, 0.0, 0.0), (0.3, 1.1, 0.7), (33.3, 0.0), surface)),
                 tuple((np.array([0.1, 0.3, 0.4]) @ np.array(frame("+z", (33.3, 0.0)))).tolist()),
             ),
             f"sphere, {name}": ([Sphere(**where, radius=0.7, surface=surface)], (0.3, -0.1, 0.2)),
             f"biconvex, {name}": (
-                [Biconvex(**tilted, aperture_radius=1.0, front_radius=1.5, back_radius=1e6,
-                          surface=surface)], inside),
+                [
+                    Biconvex(
+                        **tilted,
+                        aperture_radius=1.0,
+                        front_radius=1.5,
+                        back_radius=1e6,
+                        surface=surface,
+                    )
+                ],
+                inside,
+            ),
             f"plano-convex, {name}": (
                 [PlanoConvex(**tilted, aperture_radius=1.0, curvature_radius=1.5, surface=surface)],
-                inside),
-        }  # fmt: skip
+                inside,
+            ),
+        }
     return bodies
 
 
@@ -272,7 +325,9 @@ def at_edges(low: Any, high: Any, n: int, seed: int) -> tuple[np.ndarray, np.nda
 
 
 @pytest.mark.parametrize("surface", [SILVER, WHITE], ids=["mirrors", "matt"])
-@pytest.mark.parametrize("tilt", [(0.0, 0.0), (33.3, 0.0), (0.0, -71.7), (1e-8, 0.0), (89.999999, 0.0)])
+@pytest.mark.parametrize(
+    "tilt", [(0.0, 0.0), (33.3, 0.0), (0.0, -71.7), (1e-8, 0.0), (89.999999, 0.0)]
+)
 def test_rays_at_edges_and_corners_stay_inside(tilt: Any, surface: Surface) -> None:
     """Aimed at every edge and corner, then 30 bounces: no ray gets out."""
     rows = np.array(frame("+z", tilt))
@@ -299,7 +354,9 @@ def test_rays_at_the_junction_of_walls_on_a_larger_floor_stay_inside(surface: Su
             ends = low + size * r.uniform(0.1, 0.9, (3000, 3)) * [1, 1, 0]
             across = r.integers(0, 2, 3000)
             k = np.arange(3000)
-            ends[k, across] = np.where(r.random(3000) < 0.5, np.array(low)[across], np.array(high)[across])
+            ends[k, across] = np.where(
+                r.random(3000) < 0.5, np.array(low)[across], np.array(high)[across]
+            )
             found = follow(walls, starts @ rows, unit((ends - starts) @ rows), 30)
             assert (found.left != NO_FACE).all()
 
@@ -311,8 +368,15 @@ def test_rays_at_the_rims_of_lenses_stay_inside() -> None:
     rim = np.stack([beside * np.cos(phi), beside * np.sin(phi), np.zeros(3000)], axis=1)
     for at, tilt in PLACES:
         for shape in LENSES:
-            lens = Biconvex(name="lens", position=at, axis="+z", tilt_deg=tilt, surface=SILVER,
-                            aperture_radius=1.0, **shape)  # fmt: skip
+            lens = Biconvex(
+                name="lens",
+                position=at,
+                axis="+z",
+                tilt_deg=tilt,
+                surface=SILVER,
+                aperture_radius=1.0,
+                **shape,
+            )
             rows = np.array(lens.frame)
             start = np.stack([*(0.3 * r.uniform(-1, 1, (2, 3000))), np.zeros(3000)], axis=1)
             found = follow([lens], start @ rows + at, unit((rim - start) @ rows), 30)
@@ -321,15 +385,25 @@ def test_rays_at_the_rims_of_lenses_stay_inside() -> None:
 
 def test_rays_at_the_joints_of_baffles_stay_in_their_chamber() -> None:
     """A tube whose baffles have no hole: what starts between two of them stays there."""
-    tube = BaffledTube(name="tube", position=(0.3, -0.2, 0.1), axis="+z", half_width=0.7, length=3.0,
-                       baffles=3, clear_half_width=0.0, surface=SILVER)  # fmt: skip
+    tube = BaffledTube(
+        name="tube",
+        position=(0.3, -0.2, 0.1),
+        axis="+z",
+        half_width=0.7,
+        length=3.0,
+        baffles=3,
+        clear_half_width=0.0,
+        surface=SILVER,
+    )
     low, high = (-0.7, -0.7, 0.75), (0.7, 0.7, 1.5)
     for tilt in ((0.0, 0.0), TILT):
         rows = np.array(replace(tube, tilt_deg=tilt).frame)
         starts, ends = at_edges(low, high, 3000, 9)
         apart = np.linalg.norm(ends - starts, axis=1) > 1e-3
         starts, ends = starts[apart] @ rows, ends[apart] @ rows
-        found = follow([replace(tube, tilt_deg=tilt)], starts + tube.position, unit(ends - starts), 30)
+        found = follow(
+            [replace(tube, tilt_deg=tilt)], starts + tube.position, unit(ends - starts), 30
+        )
         assert (found.left != NO_FACE).all()
         heights = (found.point - tube.position) @ rows[2]
         assert heights.min() > 0.75 - 1e-14
