@@ -188,7 +188,7 @@ def scene(kind: str):
 
 
 def measure(kind: str, families: list[str], seconds: float) -> None:
-    """Print interactions a second, then a line for every family that fails (in a fresh process)."""
+    """Print interactions a second, then a line for every family (in a fresh process)."""
     from hostcode.device import preferred_lanes
     from hostcode.plan import default_plan
     from hostcode.wavefront import Engine
@@ -201,18 +201,18 @@ def measure(kind: str, families: list[str], seconds: float) -> None:
     plan = default_plan(device.record, preferred_lanes(device.record))
     engine = Engine(device, compile_scene(made, made.run).tables, plan)
     list(engine.run(0, 4))
-    rates = []
-    first = 4
-    for _ in range(3):
-        before, started = engine.statistics.interactions, time.perf_counter()
-        while time.perf_counter() - started < seconds / 3:
-            list(engine.run(first, 16))
-            first += 16
-        rates.append((engine.statistics.interactions - before) / (time.perf_counter() - started))
-    print(f"rate {sorted(rates)[1]:.6g}")
+    best, first, started = 0.0, 4, time.perf_counter()
+    while time.perf_counter() - started < seconds:
+        before, now = engine.statistics.interactions, time.perf_counter()
+        list(engine.run(first, 8))
+        first += 8
+        rate = (engine.statistics.interactions - before) / (time.perf_counter() - now)
+        best = max(best, rate)  # other work on the machine only ever slows it
+    print(f"rate {best:.6g}")
     for row in stability_report(device, families) if families else ():
-        if not row.passed:
-            print(f"fails {row.family}: {row.worst:.2g} ulps, {len(row.wrong)} wrong decisions")
+        inexact = sum(m.forward > 8 for m in row.measured)
+        bad = "" if row.passed else f"{row.worst:.2g} ulps, {len(row.wrong)} wrong decisions"
+        print(f"family|{row.family}|{inexact}|{bad}")
 
 
 def run_patched(
@@ -261,18 +261,36 @@ def main() -> None:
     if arguments.worker:
         measure(arguments.worker, arguments.families, arguments.seconds)
         return
-    print(f"{'without':50} {'scene':7} {'M/s with':>9} {'without':>9} {'cost':>7}  what fails")
+    print(f"{'without':50} {'scene':7} {'M/s with':>9} {'without':>9} {'it costs':>9}  what fails")
     for part in PARTS:
         families = () if arguments.skip_families else part.families
-        with_it = run_patched(None, part.scene, (), arguments.seconds)
-        without = run_patched(part, part.scene, families, arguments.seconds)
-        a, b = (float(lines[0].split()[1]) / 1e6 for lines in (with_it, without))
-        failing = [line.removeprefix("fails ") for line in without[1:]]
+        runs = [
+            run_patched(taken, part.scene, families if n < 2 else (), arguments.seconds)
+            for n, taken in enumerate((None, part, None, part))
+        ]
+        a, b = (max(float(runs[k][0].split()[1]), float(runs[k + 2][0].split()[1])) for k in (0, 1))
         print(
-            f"{part.name:50} {part.scene:7} {a:9.2f} {b:9.2f} {100 * (b / a - 1):6.1f}%  "
-            f"{'; '.join(failing) or 'nothing of: ' + ', '.join(families)}",
+            f"{part.name:50} {part.scene:7} {a / 1e6:9.2f} {b / 1e6:9.2f} "
+            f"{100 * (1 - a / b):8.1f}%  "
+            f"{_failures(runs[0][1:], runs[1][1:])}",
             flush=True,
         )
+    print("M/s: the best of short runs.  what fails: ulps of a backward-stable solution beyond the")
+    print("bound and wrong decisions; > 8u: cases whose plain relative error is above 8 roundoffs.")
+
+
+def _failures(with_it: list[str], without: list[str]) -> str:
+    """Say what a part's absence spoils, family by family."""
+    found = []
+    for a, b in zip(with_it, without, strict=True):
+        _, family, before, _ = a.split("|")
+        _, _, after, bad = b.split("|")
+        spoiled = [bad] if bad else []
+        if int(after) > int(before):
+            spoiled.append(f"> 8u: {after} instead of {before}")
+        if spoiled:
+            found.append(f"{family}: {', '.join(spoiled)}")
+    return "; ".join(found) or "nothing"
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-__all__ = ["DeviceError", "HostError", "KernelBuildError"]
+__all__ = ["Abandoned", "DeviceError", "HostError", "KernelBuildError"]
 
 
 class HostError(Exception):
@@ -60,3 +60,7 @@ class KernelBuildError(HostError):
         # Exception's own reduce would call the class with the one joined message; a build error
         # that happens in a worker process must arrive whole.
         return type(self), (self.template, self.line, self.message, self.excerpt)
+
+
+class Abandoned(Exception):  # noqa: N818 - no error: the caller asked for it
+    """A wave was given up at the caller's wish before all its rays had ended; it does not count."""

@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from hostcode.errors import Abandoned
 from hostcode.program import Program, build
 from hostcode.queue import Queue
 from hostcode.structs import ITEM, LAUNCH, STATUS, numpy_dtype
 from hostcode.tally import CELL, canonical
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     import pyopencl as cl
     from numpy.typing import NDArray
@@ -103,6 +104,8 @@ class Engine:
         self._cl = cl
         self.device, self.tables, self.plan = device, tables, plan
         self.statistics = EngineStatistics()
+        self.give_up: Callable[[], bool] | None = None
+        """Asked between launches: whether the batches in flight are to be abandoned."""
         self._rays_per_batch = int(tables.launch["rays_per_batch"])
         self._slots = self._count_slots()
         self._copies = self._count_copies()
@@ -278,6 +281,11 @@ class Engine:
             Number of the first one, from 0.
         n_batches : int
             How many.
+
+        Raises
+        ------
+        Abandoned
+            Where `give_up` said so; none of the batches in flight counts.
         """
         done = 0
         while done < n_batches:
@@ -315,6 +323,8 @@ class Engine:
                     events = 0
                 if not unfinished:
                     break
+                if self.give_up is not None and self.give_up():
+                    raise Abandoned
                 if blocked:
                     self._grow(first_batch)
         total = self._flush(total)

@@ -38,6 +38,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.out is not None:
         prepare_target(arguments.out)  # now, not when the run is done
+    if any(element.surface.splits for element in scene.element):
+        # said before the run as well: a scene that splits without end may take all its time
+        for advisory in scene.advisories():
+            print(f"advisory: {advisory}", file=sys.stderr)
     with _Display(scene.title or scene.name) as display:
         result = trace(
             scene,

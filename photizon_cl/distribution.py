@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from hostcode import capability
 from hostcode.device import DeviceRecord, OpenDevice, choose, open_device, preferred_lanes
-from hostcode.errors import DeviceError, HostError, KernelBuildError
+from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError
 from hostcode.plan import ExecutionPlan, default_plan
 from hostcode.wavefront import Engine
 from photizon_cl.errors import ArgumentError, PhotizonError, RunError
@@ -234,7 +234,11 @@ class Local:
                 n = min(n, limit)
             if last is not None:
                 n = min(n, last - first)
-            yield _compute(self.engine, first, n)
+            try:
+                chunk = _compute(self.engine, first, n)
+            except Abandoned:
+                return
+            yield chunk
             first += n
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.compile import MAX_RAY_NUMBER, CompiledScene, compile_scene
 from photizon_cl.distribution import Executed, Local, Runner
-from photizon_cl.errors import ArgumentError, SceneError, show
+from photizon_cl.errors import ArgumentError, RunError, SceneError, show
 from photizon_cl.ledger import check_batch
 from photizon_cl.result import Result, RunInfo
 from photizon_cl.scene_io import load
@@ -241,6 +241,8 @@ def _go_on(
     else:
         runner = Executed(executor, compiled.scene.digest(), compiled.tables, chosen, plan)
     clock = _Clock(goal, tally.batches)
+    if isinstance(runner, Local):
+        runner.engine.give_up = clock.must_stop
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
@@ -267,6 +269,8 @@ def _go_on(
             close = getattr(chunks, "close", None)
             if close is not None:
                 close()
+    if not tally.batches:
+        raise RunError(_no_batch(compiled, clock))
     info = dataclasses.replace(
         info,
         device=label,
@@ -294,6 +298,16 @@ class _Clock:
 
     def over(self) -> bool:
         return self.limit is not None and self.elapsed() >= self.limit
+
+    def must_stop(self) -> bool:
+        """Say whether the batches in flight are to be given up: time is up and there are others.
+
+        The first batch of a call has twice the time and ten seconds more.
+        """
+        if self.limit is None:
+            return False
+        first = self.batches == self.first
+        return self.elapsed() >= (2.0 * self.limit + 10.0 if first else self.limit)
 
     def batches_in_time(self) -> int | None:
         """Return how many batches may go into a wave: one at first, to learn how long it takes."""
@@ -360,3 +374,18 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
         yield lambda: pressed
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def _no_batch(compiled: CompiledScene, clock: _Clock) -> str:
+    run = compiled.settings
+    advice = "lower rays_per_batch or raise max_seconds"
+    if "splitting" in compiled.effects:
+        advice = (
+            "every split makes two rays of one, and between Fresnel surfaces and reflecting ones "
+            f"nothing ends them before the generation cap of {run.generation_cap}: set "
+            f"roulette_floor (1e-6, say) or lower generation_cap; else {advice}"
+        )
+    return (
+        f"not one batch of {run.rays_per_batch} rays ended within {clock.elapsed():.0f} s "
+        f"(max_seconds is {clock.limit:g}), so there is nothing to report: {advice}"
+    )

@@ -157,7 +157,9 @@ def _compare(case: FresnelCase, outcome: dict[str, Any]) -> Measured:
         errors["refracted"] = ulps(norm(add(vector(outcome["transmitted"]), -1, refracted)), k_f)
     nan = any(math.isnan(e) for e in errors.values())
     relative = float(max(k_r / r if r > mpf(10) ** -50 else mpf(1), k_f))
-    return Measured(case.label, firm, not nan, errors, relative, "NaN" if nan else "")
+    off = abs(mpf(float(outcome["R"])) - r)
+    forward = float(off / (UNIT * r)) if r > mpf(10) ** -50 else 0.0
+    return Measured(case.label, firm, not nan, errors, relative, "NaN" if nan else "", forward)
 
 
 def measure_fresnel(

@@ -47,6 +47,8 @@ class Measured:
         Largest K of its outputs relative to their size.
     note : str
         What went wrong, empty where nothing did.
+    forward : float
+        Relative error of the distance (of R for Fresnel) in unit roundoffs, whatever its condition.
     """
 
     label: str
@@ -55,6 +57,7 @@ class Measured:
     errors: dict[str, float] = field(default_factory=dict)
     condition: float = 1.0
     note: str = ""
+    forward: float = 0.0
 
     @property
     def worst(self) -> float:
@@ -130,7 +133,9 @@ def _compare(case: Case, hit: NDArray[np.float64], element: int, face: int) -> M
         if not best.smooth:
             return Measured(case.label, verdict.firm, True)
         errors, condition = _errors(best, hit)
-        return Measured(case.label, verdict.firm, True, errors, condition)
+        off = abs(mp.mpf(float(hit[0])) - best.distance)
+        forward = float(off / (UNIT * abs(best.distance))) if best.distance else 0.0
+        return Measured(case.label, verdict.firm, True, errors, condition, forward=forward)
 
 
 def _named(candidates: list[Candidate]) -> str:
