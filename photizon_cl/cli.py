@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from photizon_cl import __version__
 from photizon_cl.errors import PhotizonError
+from photizon_cl.stability import add_arguments as add_stability_arguments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -50,6 +51,8 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("scene", metavar="SCENE", help=_SCENE)
     _add_run(verb("run", "trace a scene", _run))
     _add_show(verb("show", "draw a scene with traced ray paths", _show))
+    stability = verb("stability", "measure hard cases against 60-digit arithmetic", _stability)
+    add_stability_arguments(stability)
     verb("devices", "list every OpenCL device, whether it qualifies, and why not", _devices)
     return parser
 
@@ -131,6 +134,12 @@ def _show(arguments: argparse.Namespace) -> int:
     from photizon_cl.cli_draw import draw
 
     return draw(arguments)
+
+
+def _stability(arguments: argparse.Namespace) -> int:
+    from photizon_cl.stability import run
+
+    return run(arguments)
 
 
 def _run(arguments: argparse.Namespace) -> int:

@@ -7,18 +7,7 @@
 FN mask cap_interval(real x, real y, real z, real dx, real dy, real dz, double s, double h, double a,
                      real *t0, real *t1, real *b_out, real *c_out) {
     const real b = fma(dz, splat(s * h), dot3(x, y, z, dx, dy, dz));
-    // sum of products with their rounding errors
-    const real xx = x * x, yy = y * y, zz = z * z, hz = z * (2.0 * s * h);
-    const double aa = a * a, ae = fma(a, a, -aa);
-    const real errors = (fma(x, x, -xx) + fma(y, y, -yy)) + (fma(z, z, -zz) + (fma(z, splat(2.0 * s * h), -hz) - ae));
-    real sum = xx, carry = errors, next, part;
-% for term in ("yy", "zz", "hz", "splat(-aa)"):
-    next = sum + ${term};
-    part = next - sum;
-    carry += (sum - (next - part)) + (${term} - part);
-    sum = next;
-% endfor
-    const real c = sum + carry;
+    const real c = fma(x, x, fma(y, y, fma(z, z + 2.0 * s * h, splat(-a * a))));
     // b^2 - c is the same at every point of the ray.  Far from the rim both are as large as the
     // square of the distance, so it is taken at the point nearest to the rim's centre instead.
     const real near = -dot3(x, y, z, dx, dy, dz);
