@@ -6,12 +6,20 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 from oracles.engine import open_device
 
+from hostcode.probe import probe_faces
 from photizon_cl import stability
+from photizon_cl.stability.measure import compile_elements, state_of
 from photizon_cl.stability.report import BOUND, FAMILIES, Row, stability_report, table, write_figure
+
+if TYPE_CHECKING:
+    from photizon_cl.elements import Element
+    from photizon_cl.stability.case import Case
 
 
 @pytest.fixture(scope="module")
@@ -61,3 +69,21 @@ def test_without_mpmath_it_says_what_to_install(tmp_path: Path) -> None:
     )
     assert done.returncode == 1
     assert "pip install 'photizon-cl[test]'" in done.stderr
+
+
+@pytest.mark.parametrize("family", ["cpc, rims", "tube, corners", "lens, rim", "lens, inside"])
+def test_lane_widths_give_the_same_bits(family: str) -> None:
+    """A ray's neighbours in a packet do not change its answer: every case, scene by scene."""
+    scenes: dict[tuple[Element, ...], list[Case]] = {}
+    for case in FAMILIES[family]():
+        scenes.setdefault(case.elements, []).append(case)
+    for elements, cases in scenes.items():
+        compiled = compile_elements(elements)
+        rays = np.array([[*np.subtract(c.origin, compiled.shift), *c.direction] for c in cases])
+        left = np.array([state_of(compiled, c.left) for c in cases])
+        one, many = (
+            probe_faces(open_device(), compiled.tables, rays, lanes, left) for lanes in (1, 8)
+        )
+        assert one[1].tobytes() == many[1].tobytes()
+        hit = one[1] >= 0
+        assert one[0][hit].tobytes() == many[0][hit].tobytes()
