@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -27,6 +28,11 @@ os.environ.setdefault("POCL_CACHE_DIR", str(ROOT / ".pytest_cache" / "pocl"))
 Path(os.environ["POCL_CACHE_DIR"]).mkdir(parents=True, exist_ok=True)
 # No figure may ask for a display.
 os.environ.setdefault("MPLBACKEND", "agg")
+
+
+# A shell that starts the suite in the background has it ignore Ctrl-C, which tests send.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)
