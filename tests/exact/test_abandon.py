@@ -15,7 +15,7 @@ from photizon_cl.scene_io import load
 def test_an_engine_is_as_new_after_a_wave_that_was_given_up(copies: int) -> None:
     scene = load("ghost-ladder")
     tables = compile_scene(scene, scene.run).tables
-    plan = PLAN.with_(max_bounces=2, tally_copies=copies)
+    plan = PLAN.with_(max_bounces=64, tally_copies=copies)
     fresh = [tally.cells.tobytes() for tally in Engine(open_device(), tables, plan).run(0, 1)]
     engine = Engine(open_device(), tables, plan)
     engine.give_up = lambda: True
