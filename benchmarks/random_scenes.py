@@ -1,4 +1,4 @@
-"""Random scenes of many elements, of every kind, that share a program whatever their number."""
+"""Scenes of many elements, of every kind, that share a program whatever their number."""
 
 from __future__ import annotations
 
@@ -50,10 +50,70 @@ def random_scene(n, seed, simple=False):
         common = {
             "name": f"e{i}",
             "position": tuple(float(x) for x in g.uniform(-1.0, 1.0, 3)),
-            "axis": AXES[(i // 10) % 6] if not simple else "+z",
+            # one axis where there are too few elements for every class to occur twice
+            "axis": AXES[(i // 10) % 6] if n >= 130 and not simple else "+z",
             "surface": SURFACES[i % 5],
         }
         size = float(0.5 * n ** (-1.0 / 3.0) * g.uniform(0.3, 1.0))
         elements.append(_element(i % 6 if simple else i, g, size, common))
     source = pz.IsotropicPoint(name="s", flux=1.0, position=(0.0, 0.0, 0.0))
     return pz.Scene(name="random", source=(source,), element=tuple(elements))
+
+
+def filled_scene(n, seed):
+    """Return about n elements that fill a closed room, each in a cell of its own.
+
+    A ray goes a cell or two from hit to hit, however many there are. The cells are a cube of an
+    even number a side, so that the source stands between them.
+    """
+    g = np.random.default_rng(seed)
+    side = 2 * round(0.5 * n ** (1.0 / 3.0))
+    cell = 2.0 / side
+    elements = list(_room())
+    for i, at in enumerate(np.ndindex(side, side, side)):
+        middle = (np.array(at) + 0.5) * cell - 1.0
+        common = {
+            "name": f"e{i}",
+            "position": tuple(float(x) for x in middle + 0.05 * cell * g.uniform(-1.0, 1.0, 3)),
+            "axis": AXES[(i // 10) % 6],
+            "surface": SURFACES[i % 5],
+        }
+        elements.append(_element(i, g, float(0.4 * cell), common))
+    source = pz.IsotropicPoint(name="s", flux=1.0, position=(0.0, 0.0, 0.0))
+    return pz.Scene(name="filled", source=(source,), element=tuple(elements))
+
+
+def tiled_scene(n, seed):
+    """Return a closed room whose walls are tiled by n rectangles, with a few things in it."""
+    g = np.random.default_rng(seed)
+    side = max(int(np.ceil(np.sqrt(n / 6.0))), 1)
+    half = 1.0 / side
+    elements = []
+    for wall in range(6):
+        axis, sign = wall // 2, 1.0 - 2.0 * (wall % 2)
+        for i in range(side * side):
+            u, v = (2 * (i % side) + 1) * half - 1.0, (2 * (i // side) + 1) * half - 1.0
+            position = [0.0, 0.0, 0.0]
+            position[axis], position[(axis + 1) % 3], position[(axis + 2) % 3] = -sign, u, v
+            elements.append(pz.Rectangle(
+                name=f"w{wall}t{i}", position=tuple(position), axis=AXES[wall],
+                half_width=half, half_height=half, surface=SURFACES[i % 5],
+            ))  # fmt: skip
+    for i in range(60):
+        common = {
+            "name": f"e{i}", "position": tuple(float(x) for x in g.uniform(-0.8, 0.8, 3)),
+            "axis": AXES[(i // 10) % 6], "surface": SURFACES[i % 5],
+        }  # fmt: skip
+        elements.append(_element(i, g, 0.05, common))
+    source = pz.IsotropicPoint(name="s", flux=1.0, position=(0.01, 0.02, 0.03))
+    return pz.Scene(name="tiled", source=(source,), element=tuple(elements))
+
+
+def _room():
+    for wall, axis in enumerate(AXES):
+        position = [0.0, 0.0, 0.0]
+        position[wall // 2] = -1.2 if wall % 2 == 0 else 1.2
+        yield pz.Rectangle(
+            name=f"room{axis}", position=tuple(position), axis=axis, half_width=1.2,
+            half_height=1.2, surface=pz.Lambertian(0.8),
+        )  # fmt: skip

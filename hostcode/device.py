@@ -289,15 +289,23 @@ def open_device(
     return opened
 
 
-def preferred_lanes(record: DeviceRecord) -> int:
-    """Return the width of the lane type that suits a device.
+def preferred_lanes(record: DeviceRecord, effects: frozenset[str] = frozenset()) -> int:
+    """Return the width of the lane type that suits a device and a program.
+
+    Parameters
+    ----------
+    record : DeviceRecord
+        The device's capabilities.
+    effects : frozenset of str, optional
+        Effects that are compiled in.
 
     Returns
     -------
     int
-        1 on a GPU; on a CPU 16 where the runtime vectorises and has vectors of 8 doubles, else 8.
+        1 on a GPU, and for a search through the tree of boxes, which takes one ray at a time; else
+        on a CPU 16 where the runtime vectorises and has vectors of 8 doubles, or 8.
     """
-    if record.type == "gpu":
+    if record.type == "gpu" or "acceleration" in effects:
         return 1
     vectorises = not record.is_pocl or record.pocl_version >= (3, 1)
     return 16 if vectorises and record.native_vector_width_double >= 8 else 8

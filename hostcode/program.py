@@ -29,6 +29,8 @@ __all__ = [
     "ROW_FRAME",
     "ROW_STRIDE",
     "SOURCE_STRIDE",
+    "TREE_STACK",
+    "TREE_WIDTH",
     "ElementClass",
     "Program",
     "ProgramSpec",
@@ -44,6 +46,11 @@ MATERIAL_STRIDE: Final = 4
 SOURCE_STRIDE: Final = 20
 MAX_REGISTER_ELEMENTS: Final = 8
 """Up to this many elements the ledger is kept in registers."""
+
+TREE_WIDTH: Final = 8
+"""Children of a node of the tree of boxes."""
+TREE_STACK: Final = 169
+"""Places of the search's stack: seven stay behind at each of up to 24 levels, and one."""
 
 OPTIONS: Final[tuple[str, ...]] = ("-cl-std=CL1.2",)
 """Build options; no ``-cl-*-math`` option may ever stand here."""
@@ -195,6 +202,8 @@ def program_source(spec: ProgramSpec) -> str:
         "row_frame": ROW_FRAME,
         "material_stride": MATERIAL_STRIDE,
         "source_stride": SOURCE_STRIDE,
+        "tree_width": TREE_WIDTH,
+        "tree_stack": TREE_STACK,
         "launch_struct": c_struct("launch_t", LAUNCH),
         "item_struct": c_struct("item_t", ITEM),
         **spec.queue_fields,

@@ -177,7 +177,7 @@ def make_engine(
     """
     opened = open_chosen(device)
     if plan is None:
-        plan = default_plan(opened.record, preferred_lanes(opened.record))
+        plan = default_plan(opened.record, preferred_lanes(opened.record, tables.spec.effects))
     with device_failures(opened.record.label):
         return Engine(opened, tables, plan)
 

@@ -4,7 +4,7 @@ A frame is three unit rows (u, v, w) in world coordinates, right-handed, with w 
 frames are permutations of the world axes and hold only 0.0 and ±1.0. A tilt ``(a, b)`` in degrees
 turns the frame by a about the untilted u, then by b about the untilted v, R = R_v(b)·R_u(a).
 
-Sines and cosines of degrees are computed here in decimal arithmetic and rounded once. The C
+Sines and cosines of degrees are computed here in whole numbers and rounded once. The C
 library's differ in the last place from machine to machine, and a frame is part of what the same
 seed must reproduce bit for bit; whole quarter turns also come out exact.
 """
@@ -12,7 +12,8 @@ seed must reproduce bit for bit; whole quarter turns also come out exact.
 from __future__ import annotations
 
 import math
-from decimal import Context, Decimal
+from fractions import Fraction
+from functools import lru_cache
 from typing import Final
 
 Vec3 = tuple[float, float, float]
@@ -37,10 +38,9 @@ _FRAMES: Final[dict[str, Frame]] = {
     "-z": (_Y, _X, _MINUS_Z),
 }
 
-_CONTEXT: Final = Context(prec=60)
-_RADIANS_PER_DEGREE: Final = _CONTEXT.divide(
-    Decimal("3.14159265358979323846264338327950288419716939937510582097494459"), Decimal(180)
-)
+_PI_PLACES: Final = 256
+_PI: Final = 0x3243F6A8885A308D313198A2E03707344A4093822299F31D0082EFA98EC4E6C89
+"""π in units of 2^-256."""
 
 
 def axis_index(axis: str) -> int:
@@ -54,6 +54,7 @@ def axis_index(axis: str) -> int:
     return AXES.index(axis)
 
 
+@lru_cache(maxsize=4096)
 def sincos_deg(angle: float) -> tuple[float, float]:
     """Return the sine and cosine of an angle in degrees, correctly rounded.
 
@@ -70,27 +71,30 @@ def sincos_deg(angle: float) -> tuple[float, float]:
     """
     turned = math.fmod(angle, 360.0)  # exact
     quarter = round(turned / 90.0)
-    rest = _CONTEXT.subtract(Decimal(turned), Decimal(90 * quarter))
-    sine, cosine = _series(_CONTEXT.multiply(rest, _RADIANS_PER_DEGREE))
+    above, below = (Fraction(turned) - 90 * quarter).as_integer_ratio()
+    # 200 places behind the first digit of the angle, however small it is
+    places = 200 + max(below.bit_length() - abs(above).bit_length(), 0)
+    sine, cosine = _series(above * (_PI << places) // (180 * below << _PI_PLACES), places)
     for _ in range(quarter % 4):
-        sine, cosine = cosine, sine.copy_negate()
-    return float(sine) + 0.0, float(cosine) + 0.0
+        sine, cosine = cosine, -sine
+    one = 1 << places
+    return sine / one + 0.0, cosine / one + 0.0  # a quotient of whole numbers is rounded once
 
 
-def _series(x: Decimal) -> tuple[Decimal, Decimal]:
-    """Sum the Taylor series of sine and cosine for |x| ≤ π/4 to 60 digits."""
-    sums = [Decimal(0), Decimal(1)]  # odd powers, even powers
-    term = Decimal(1)
-    for power in range(1, 60):
-        term = _CONTEXT.divide(_CONTEXT.multiply(term, x), Decimal(power))
-        if not term:
-            break
-        odd = power % 2
-        signed = term.copy_negate() if (power // 2) % 2 else term
-        sums[1 - odd] = _CONTEXT.add(sums[1 - odd], signed)
+def _series(x: int, places: int) -> tuple[int, int]:
+    """Sum the Taylor series of sine and cosine for |x| ≤ π/4, in units of 2^-places."""
+    sums = [0, 1 << places]  # odd powers, even powers
+    term, power = 1 << places, 0
+    while term:
+        power += 1
+        # toward zero, so that the terms of a negative angle end as well
+        size = abs(term * x) // (power << places)
+        term = size if (term < 0) == (x < 0) else -size
+        sums[1 - power % 2] += -term if (power // 2) % 2 else term
     return sums[0], sums[1]
 
 
+@lru_cache(maxsize=4096)
 def frame(axis: str, tilt_deg: tuple[float, float] = (0.0, 0.0)) -> Frame:
     """Return the rows (u, v, w) of a local frame in world coordinates.
 

@@ -12,6 +12,7 @@ from hostcode.program import (
     ROW_FRAME,
     ROW_STRIDE,
     SOURCE_STRIDE,
+    TREE_WIDTH,
     ElementClass,
     SourceKind,
     SurfaceKind,
@@ -118,13 +119,15 @@ def add_tree(
     scene: Scene, shift: Vec3, codes: list[int], n_classes: int, geometry: NDArray[np.float64]
 ) -> tuple[list[int], NDArray[np.float64]]:
     """Return codes and geometry with a tree of boxes, see ``kernels/effects/acceleration.mako``."""
-    nodes, links, order = build_tree(world_boxes(scene.element, shift))
-    table = codes_by_class(codes, n_classes, n_classes + 3)
-    links[links[:, 1] > 0, 0] += len(table)
-    leaves = [codes[n] for n in order]
-    table[n_classes + 1] = len(geometry)
-    table[n_classes + 2] = len(table) + len(leaves)
-    return table + leaves + links.ravel().tolist(), np.concatenate((geometry, nodes.ravel()))
+    boxes = world_boxes(scene.element, shift)
+    nodes, children = build_tree(boxes)
+    table = codes_by_class(codes, n_classes, n_classes + 2)
+    # a node begins at a whole vector of eight; the scene's size stands before the first
+    head = [0.0] * (TREE_WIDTH - 1) + [float(np.max(np.abs(boxes)))]
+    table[n_classes + 1] = len(geometry) + len(head)
+    links = np.where(children < 0, children, np.array(codes)[np.maximum(children, 0)])
+    whole = np.concatenate((nodes, links.view(np.float64)[:, None, :]), axis=1)
+    return table, np.concatenate((geometry, head, whole.ravel()))
 
 
 def geometry_table(

@@ -99,7 +99,7 @@ def probe(
     opened = open_chosen(str(device) if isinstance(device, int) else device)
     shift = np.array(compiled.shift)
     rays = np.hstack([start - shift, along])
-    width = lanes or preferred_lanes(opened.record)
+    width = lanes or preferred_lanes(opened.record, compiled.tables.spec.effects)
     with device_failures(opened.record.label):
         hits, element = probe_rays(opened, compiled.tables, rays, width)
     missed = element < 0

@@ -1,44 +1,55 @@
-## classes
-// A binary tree of boxes over the elements, built on the host, in preorder: the low child of node n is
-// n + 1.  Per node six numbers in the geometry table (low corner, high corner) and two in codes: for a
-// leaf its first element code and their number, for an inner node (high child << 2 | axis) and 0.
-// codes[n_classes + 1] and codes[n_classes + 2] say where they stand.
-#define TREE_DEPTH 64
-#define TREE_BOX(scene, node) ((scene)->geometry + (scene)->codes[${len(classes) + 1}] + 6 * (node))
-#define TREE_FIRST(scene, node) ((scene)->codes[(scene)->codes[${len(classes) + 2}] + 2 * (node)])
-#define TREE_COUNT(scene, node) ((scene)->codes[(scene)->codes[${len(classes) + 2}] + 2 * (node) + 1])
+## classes, tree_width, tree_stack
+// A tree of boxes over the elements, built on the host (photizon_cl/tree.py), eight children to a
+// node.  It stands in the geometry table from codes[n_classes + 1] on, behind the scene's size: per
+// node the children's boxes, low x, y, z and high x, y, z of all eight, and the bits of eight links:
+// an element's code, or ~node.
+//
+// One ray is searched for at a time, whatever the lanes: rays that have scattered a few times go
+// their own ways, and a packet would visit every node that any of them needs.  The eight boxes of a
+// node are the vector instead.
+#define TREE_WIDTH ${tree_width}
+#define TREE_STACK ${tree_stack}
+#define TREE_BOX(scene, node) ((scene)->geometry + (scene)->codes[${len(classes) + 1}] + 7 * TREE_WIDTH * (node))
+#define TREE_LINKS(box) ((__global const long *)((box) + 6 * TREE_WIDTH))
 
-// Origins moved out for the low and in for the high sides by a bound of every rounding between the
-// origin and the farthest hit: that makes every box larger without touching it.
-typedef struct { real lx, ly, lz, hx, hy, hz, ix, iy, iz; } box_ray_t;
+// A ray among boxes.  near, far: where in a node the sides stand that it meets first and last.
+// enter, leave: its origin moved by a bound of every rounding between the origin and the farthest
+// hit, out for the sides it enters by and in for those it leaves by: that makes every box larger
+// without touching it.
+typedef struct {
+    int near_x, near_y, near_z;
+    double enter_x, enter_y, enter_z, leave_x, leave_y, leave_z, ix, iy, iz;
+} box_ray_t;
 
-FN box_ray_t box_ray(const scene_t *scene, const packet_t *p) {
-    __global const double *whole = TREE_BOX(scene, 0);
-    const double size = fmax(fmax(fmax(fabs(whole[0]), fabs(whole[1])), fmax(fabs(whole[2]), fabs(whole[3]))),
-                             fmax(fabs(whole[4]), fabs(whole[5])));
-    const real room = (fabs(p->ox) + fabs(p->oy) + fabs(p->oz) + size) * 0x1p-44;
+FN box_ray_t box_ray(double ox, double oy, double oz, double dx, double dy, double dz, double size) {
+    const double room = (fabs(ox) + fabs(oy) + fabs(oz) + size) * 0x1p-44;
     box_ray_t r;
-    r.lx = p->ox + room; r.ly = p->oy + room; r.lz = p->oz + room;
-    r.hx = p->ox - room; r.hy = p->oy - room; r.hz = p->oz - room;
-    r.ix = 1.0 / p->dx; r.iy = 1.0 / p->dy; r.iz = 1.0 / p->dz;
+% for n, x in enumerate("xyz"):
+    r.i${x} = 1.0 / d${x};
+    {
+        const int up = !signbit(d${x});
+        r.near_${x} = TREE_WIDTH * (up ? ${n} : ${n + 3});
+        r.enter_${x} = up ? o${x} + room : o${x} - room;
+        r.leave_${x} = up ? o${x} - room : o${x} + room;
+    }
+% endfor
     return r;
 }
 
-// Whether any live lane may meet something in the box before its best hit.
-FN int meets_box(const scene_t *scene, const box_ray_t *r, const packet_t *p, real best, long node) {
-    __global const double *box = TREE_BOX(scene, node);
-    // 0 * inf (a ray in the plane of a side) is not a number, and fmin and fmax then take the other:
-    // the ray runs at least `room` outside whatever the box holds
-    const real ax = (box[0] - r->lx) * r->ix, bx = (box[3] - r->hx) * r->ix;
-    const real ay = (box[1] - r->ly) * r->iy, by = (box[4] - r->hy) * r->iy;
-    const real az = (box[2] - r->lz) * r->iz, bz = (box[5] - r->hz) * r->iz;
-    const real enter = fmax(fmax(fmin(ax, bx), fmin(ay, by)), fmin(az, bz));
-    const real leave = fmin(fmin(fmax(ax, bx), fmax(ay, by)), fmax(az, bz));
-    return ANY(p->alive & LE(enter, leave) & GE(leave, splat(0.0)) & LE(enter, best));
-}
-
-// Whether most of the packet runs up the axis.  It decides the order of the search, never its outcome.
-FN int comes_from_low(const packet_t *p, int axis) {
-    const real d = axis == 0 ? p->dx : axis == 1 ? p->dy : p->dz;
-    return 2 * count_lanes(p->alive & GT(d, splat(0.0))) >= count_lanes(p->alive);
+// The children of a node that the ray may meet no later than `best`, as one byte a child (0 or 1),
+// and where each box is entered.
+FN ulong meet_boxes(__global const double *box, const box_ray_t *r, double best, double8 *entered) {
+    // 0 * inf (a ray in the plane of a side) is not a number, and each comparison then takes the
+    // other: the ray runs at least `room` outside whatever the box holds
+    double8 enter = (double8)(0.0), leave = (double8)(best);
+% for n, x in enumerate("xyz"):
+    {
+        const double8 a = (vload8(0, box + r->near_${x}) - r->enter_${x}) * r->i${x};
+        const double8 b = (vload8(0, box + (${2 * n + 3} * TREE_WIDTH - r->near_${x})) - r->leave_${x}) * r->i${x};
+        enter = a > enter ? a : enter;
+        leave = b < leave ? b : leave;
+    }
+% endfor
+    *entered = enter;
+    return as_ulong(convert_char8(enter <= leave)) & 0x0101010101010101UL;
 }

@@ -31,37 +31,67 @@
 </%def>
 % if "acceleration" in effects:
 // Through the tree of boxes (effects/acceleration.mako): only elements whose box the ray may meet no
-// later than the best hit so far are tested, with the very functions of the plain scan.  Boxes are
+// later than its best hit so far are tested, with the very functions of the plain scan.  Boxes are
 // taken too large by more than any rounding, so the outcome has the same bits.
 FN void scan(const scene_t *scene, const packet_t *p, lint left, search_t *search, hit_t *h) {
-    const box_ray_t ray = box_ray(scene, p);
-    uint waiting[TREE_DEPTH];
-    uint n_waiting = 0;
-    long node = 0;
-    for (;;) {
-        if (meets_box(scene, &ray, p, h->t, node)) {
-            const long first = TREE_FIRST(scene, node), count = TREE_COUNT(scene, node);
-            if (count == 0) {
-                // the child on the side the packet comes from goes first
-                const int low_first = comes_from_low(p, (int)(first & 3L));
-                waiting[n_waiting++] = (uint)(low_first ? first >> 2 : node + 1);
-                node = low_first ? node + 1 : first >> 2;
+    const double size = scene->geometry[scene->codes[${len(classes) + 1}] - 1];
+    double entered[TREE_STACK];
+    long waiting[TREE_STACK];
+% if lanes == 1:
+    const box_ray_t ray = box_ray(p->ox, p->oy, p->oz, p->dx, p->dy, p->dz, size);
+#define BEST h->t
+    {
+% else:
+    // The ray of one lane leads; what it meets is tested for all of them.
+    union { real v; double s[LANES]; } ox = {p->ox}, oy = {p->oy}, oz = {p->oz};
+    union { real v; double s[LANES]; } dx = {p->dx}, dy = {p->dy}, dz = {p->dz}, best = {h->t};
+#define BEST best.s[l]
+    for (uint bits = lane_bits(p->alive); bits; bits &= bits - 1u) {
+        const uint l = FIRST_LANE(bits);
+        const box_ray_t ray = box_ray(ox.s[l], oy.s[l], oz.s[l], dx.s[l], dy.s[l], dz.s[l], size);
+% endif
+        int n = 1;
+        waiting[0] = ~0L;
+        entered[0] = 0.0;
+        while (n) {
+            n--;
+            if (entered[n] > BEST) continue;
+            const long code = waiting[n];
+            if (code < 0) {
+                __global const double *box = TREE_BOX(scene, ~code);
+                __global const long *links = TREE_LINKS(box);
+                union { double8 v; double s[TREE_WIDTH]; } at;
+                ulong met = meet_boxes(box, &ray, BEST, &at.v);
+                const int first = n;
+                // the nearest last, to be taken next
+                for (; met; met &= met - 1UL) {
+                    const int k = (63 - (int)clz(met & (0UL - met))) >> 3;
+                    int i = n++;
+                    for (; i > first && entered[i - 1] < at.s[k]; i--) {
+                        entered[i] = entered[i - 1];
+                        waiting[i] = waiting[i - 1];
+                    }
+                    entered[i] = at.s[k];
+                    waiting[i] = links[k];
+                }
                 continue;
             }
-            for (long j = first; j < first + count; j++) {
-                const long code = scene->codes[j];
-                __global const double *row = scene->geometry + ELEMENT_OF(code) * ROW;
-                real t;
-% for n, cls in enumerate(classes):
-                ${"else " if n else ""}if (CLASS_OF(code) == ${cls.number}L) {
+            __global const double *row = scene->geometry + ELEMENT_OF(code) * ROW;
+            real t;
+            switch ((int)CLASS_OF(code)) {
+% for cls in classes:
+            case ${cls.number}: {
 ${test_element(cls)}
-                }
+                break;
+            }
 % endfor
             }
+% if lanes > 1:
+            best.v = h->t;
+% endif
         }
-        if (n_waiting == 0) break;
-        node = waiting[--n_waiting];
     }
+#undef BEST
 }
 % else:
 FN void scan(const scene_t *scene, const packet_t *p, lint left, search_t *search, hit_t *h) {

@@ -3,23 +3,32 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
-from benchmarks.random_scenes import random_scene
+import photizon_cl as pz
+from benchmarks.random_scenes import filled_scene, random_scene, tiled_scene
+from benchmarks.visits import visits
+from hostcode.device import preferred_lanes
 from hostcode.plan import default_plan
+from hostcode.program import TREE_STACK, TREE_WIDTH
 from hostcode.wavefront import Engine
 from photizon_cl.compile import compile_scene
 from photizon_cl.settings import RunSettings
-from photizon_cl.tree import BREAK_EVEN, LEAF, build_tree
+from photizon_cl.tree import BREAK_EVEN, build_tree, world_boxes
 
-# fifty sizes from 10 to 10^4; those below 130 hold planes and spheres only (see random_scenes.py)
-SIZES = sorted({round(10 ** (1.0 + 3.0 * k / 49)) for k in range(50)} | {10_000})
+# fifty sizes from 10 to 10^4
+SIZES = [round(10 ** (1.0 + 3.0 * k / 49)) for k in range(50)]
+LENGTHS = (
+    "radius", "half_width", "half_height", "curvature_radius", "aperture_radius", "front_radius",
+    "back_radius", "length", "clear_half_width", "exit_radius",
+)  # fmt: skip
 RUN = RunSettings(rays_per_batch=1024, generation_cap=40)
 
 
-def digest(device, scene, accelerate, lanes=8):
+def digest(device, scene, accelerate, lanes):
     compiled = compile_scene(scene, RUN, accelerate=accelerate)
     assert ("acceleration" in compiled.effects) == accelerate
     engine = Engine(device, compiled.tables, default_plan(device.record, lanes))
@@ -30,32 +39,111 @@ def digest(device, scene, accelerate, lanes=8):
 
 
 def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device):
-    assert len(SIZES) >= 49
     hits = 0
-    for n in SIZES:
-        scene = random_scene(n, seed=n, simple=n < 130)
-        plain, interactions = digest(device, scene, accelerate=False)
-        fast, _ = digest(device, scene, accelerate=True)
+    for k, n in enumerate(SIZES):
+        scene = random_scene(n, seed=k)
+        plain, interactions = digest(device, scene, accelerate=False, lanes=8)
+        fast, _ = digest(device, scene, accelerate=True, lanes=1)
         assert fast == plain, f"{n} elements"
         hits += interactions
+    assert len(SIZES) == 50
     assert hits > 10_000  # the scenes are not empty
 
 
-def test_the_tree_holds_every_element_once_and_boxes_hold_their_children():
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8, 16])
+def test_the_bits_do_not_depend_on_the_lanes(device, lanes):
+    scene = filled_scene(216, seed=3)
+    assert digest(device, scene, True, lanes)[0] == digest(device, scene, False, 8)[0]
+
+
+@pytest.mark.parametrize(("unit", "away"), [(1.0, 0.0), (2.0**-30, 0.0), (1e9, 0.0), (1.0, 3e5)])
+def test_rays_along_the_axes_far_away_tiny_and_huge(device, unit, away):
+    # a beam down an axis: two components of every direction are 0, and rays run in sides of boxes
+    scene = tiled_scene(600, seed=4)
+    elements = []
+    for e in scene.element:
+        row = {f.name: unit * getattr(e, f.name) for f in fields(e) if f.name in LENGTHS}
+        elements.append(replace(e, position=tuple(unit * x + away for x in e.position), **row))
+    beam = pz.CollimatedDisk(
+        name="s", flux=1.0, position=(away, away, away), axis="+z", radius=0.9 * unit
+    )
+    changed = pz.Scene(name="beam", source=(beam,), element=tuple(elements))
+    fast, interactions = digest(device, changed, True, 1)
+    assert fast == digest(device, changed, False, 8)[0]
+    assert interactions > 2000
+
+
+def test_the_default_is_one_lane_through_the_tree(device):
+    effects = compile_scene(tiled_scene(300, seed=1), RUN).tables.spec.effects
+    assert "acceleration" in effects
+    assert preferred_lanes(device.record, effects) == 1
+
+
+def reach_of(nodes, children):
+    """Give every node's elements and depth, children before parents."""
+    elements: dict[int, list[int]] = {}
+    depth = np.zeros(len(nodes), int)
+    for node in reversed(range(len(nodes))):
+        elements[node] = []
+        for k in np.flatnonzero(np.isfinite(nodes[node, 0])):
+            link = int(children[node, k])
+            assert link >= 0 or ~link > node
+            elements[node] += [link] if link >= 0 else elements[~link]
+            depth[node] = max(depth[node], 1 + (depth[~link] if link < 0 else 0))
+    return elements, depth
+
+
+def boxes_at(kind, n):
     g = np.random.default_rng(5)
-    low = g.uniform(-1.0, 1.0, (1000, 3))
-    boxes = np.concatenate((low, low + g.uniform(0.0, 0.1, (1000, 3))), axis=1)
-    nodes, links, order = build_tree(boxes)
-    assert sorted(order.tolist()) == list(range(1000))
-    for node, (first, count) in enumerate(links.tolist()):
-        if count:
-            assert 1 <= count <= LEAF
-            inside = boxes[order[first : first + count]]
-        else:
-            inside = nodes[[node + 1, first >> 2]]
-            assert first & 3 in (0, 1, 2)
-        assert (nodes[node, :3] == inside[:, :3].min(axis=0)).all()
-        assert (nodes[node, 3:] == inside[:, 3:].max(axis=0)).all()
+    low = g.uniform(-1.0, 1.0, (n, 3))
+    if kind == "random":
+        return np.concatenate((low, low + g.uniform(0.0, 0.1, (n, 3))), axis=1)
+    if kind == "in one place":
+        return np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0], (n, 1))
+    if kind == "planes":
+        low[:, 2] = 0.25
+        return np.concatenate((low, low), axis=1)
+    # each a tenth larger than the one before: the heuristic takes them off one at a time
+    at = 1.1 ** np.arange(n)[:, None] * np.ones(3)
+    return np.concatenate((at, 1.01 * at), axis=1)
+
+
+@pytest.mark.parametrize("kind", ["random", "in one place", "planes", "growing"])
+@pytest.mark.parametrize("n", [1, 2, 8, 9, 65, 3000])
+def test_the_tree_holds_every_element_once_and_boxes_hold_their_children(kind, n):
+    boxes = boxes_at(kind, n)
+    nodes, children = build_tree(boxes)
+    elements, depth = reach_of(nodes, children)
+    assert sorted(elements[0]) == list(range(n))
+    for node in range(len(nodes)):
+        for k in range(TREE_WIDTH):
+            low, high = nodes[node, :3, k], nodes[node, 3:, k]
+            if not np.isfinite(low).all():
+                assert (low == np.inf).all()
+                assert (high == -np.inf).all()
+                continue
+            link = int(children[node, k])
+            inside = boxes[[link] if link >= 0 else elements[~link]]
+            assert (low == inside[:, :3].min(axis=0)).all()
+            assert (high == inside[:, 3:].max(axis=0)).all()
+    # what waits on the kernels' stack: seven at each level, and the one in hand
+    assert (TREE_WIDTH - 1) * depth[0] + 1 <= TREE_STACK
+
+
+def test_a_tree_too_deep_for_the_stack_cannot_be_built():
+    # 8 levels by area, then the median divides by eight until one is left
+    largest = 8 ** ((TREE_STACK - 1) // (TREE_WIDTH - 1) - 8)
+    assert largest > 2**32
+
+
+def test_the_search_visits_few_nodes_of_many(device):
+    counts = []
+    for n in (64, 4096):
+        compiled = compile_scene(filled_scene(n, seed=2), RUN, accelerate=True)
+        boxes = world_boxes(compiled.scene.element, compiled.shift)
+        counts.append(visits(compiled, build_tree(boxes), device, 160)[0])
+    assert counts[0] < 6.0
+    assert counts[1] < 2.0 * 2.0 * counts[0]  # log n doubles
 
 
 def test_the_tree_is_used_from_the_break_even_on(device):
@@ -68,4 +156,4 @@ def test_the_tree_is_used_from_the_break_even_on(device):
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_trees_of_few_elements(device, n):
     scene = random_scene(n, seed=n, simple=True)
-    assert digest(device, scene, True)[0] == digest(device, scene, False)[0]
+    assert digest(device, scene, True, 1)[0] == digest(device, scene, False, 8)[0]
