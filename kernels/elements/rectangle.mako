@@ -5,6 +5,18 @@
 FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed, const scene_t *scene,
                        search_t *search, real *t_out, real *x, real *y, real *fx, real *fy);
 
+% if "contact" in effects:
+// Whether a point of the plane is in the rectangle or as near as what is put back onto it may be;
+// such a point is moved into it.
+FN mask about_${cls.suffix}(__global const double *row, real *x, real *y) {
+    const double hx = row[3], hy = row[4];
+    const mask about = LE(fabs(*x), splat(fma(2.0, hx - row[5], hx))) & LE(fabs(*y), splat(fma(2.0, hy - row[6], hy)));
+    *x = clamp(*x, splat(-hx), splat(hx));
+    *y = clamp(*y, splat(-hy), splat(hy));
+    return about;
+}
+% endif
+
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
                       const scene_t *scene, search_t *search, real *t,
                       mask *edge) {

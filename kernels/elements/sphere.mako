@@ -47,11 +47,25 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         const real other = SEL(EQ(q, splat(0.0)), splat(0.0), c / q);
         real t1 = fmin(q, other), t2 = fmax(q, other);
         mask ok1 = GE(t1, splat(0.0)), ok2 = GE(t2, splat(0.0));
-        const mask on_surface = LE(fabs(c), splat(row[7])) & free_lanes;
-        search->doubtful |= on_surface;
-        if (search->careful && ANY(on_surface)) {
+        mask on_surface = LE(fabs(c), splat(row[7])) & free_lanes;
+% if "contact" in effects:
+        // as for flat faces, see flat.mako
+        const mask beside = LE(fabs(c), splat(64.0 * row[7])) & free_lanes;
+% else:
+        const mask beside = on_surface;
+% endif
+        search->doubtful |= beside;
+        if (search->careful && ANY(beside)) {
             const real k = splat(row[5]);
-            const mask cross = crosses(search, p, code, fx * k, fy * k, fz * k, -b, splat(0.0));
+% if "contact" in effects:
+            const mask goes_minus = GT(b, splat(0.0)), below = LT(c, splat(0.0));
+            const mask on_minus = side_of(p, beside, code, GT(fabs(c), splat(16.0 * row[7])), below, on_surface,
+                                          16.0 * row[7] * k, fx * k, fy * k, fz * k, -b);
+            const mask cross = NE(p->left, lsplat(NO_FACE)) & (on_minus ^ goes_minus);
+            on_surface |= beside & (on_minus ^ below);
+% else:
+            const mask cross = crosses(p, on_surface, code, fx * k, fy * k, fz * k, -b, splat(0.0));
+% endif
             const real chord = 2.0 * b;
             t1 = SEL(on_surface, splat(0.0), t1);
             ok1 = SEL(on_surface, cross, ok1);
@@ -95,14 +109,4 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     c->nx = SEL(m, fx * k, c->nx); c->ny = SEL(m, fy * k, c->ny); c->nz = SEL(m, fz * k, c->nz);
     // a chord inside ends on the inside, whatever the rounding of d.n says
     c->from_minus |= m & EQ(p->left >> 2, h->code) & EQ(p->left & 2L, lsplat(0L));
-}
-
-// The outward normal at a point on it, for the lanes in m.
-FN void normal_${cls.suffix}(const scene_t *scene, lint code, mask m, real x, real y, real z,
-                         real *nx, real *ny, real *nz) {
-    const lint row = SEL(m, ELEMENT_OF(code) * ROW, lsplat(0L));
-    const real k = gather(scene->geometry + 5, row);
-    *nx = SEL(m, (x - gather(scene->geometry, row)) * k, *nx);
-    *ny = SEL(m, (y - gather(scene->geometry + 1, row)) * k, *ny);
-    *nz = SEL(m, (z - gather(scene->geometry + 2, row)) * k, *nz);
 }

@@ -32,23 +32,51 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     const real near = splat(row[7]);
 % endif
     const mask on_plane = LE(fabs(h), near);
-    const real t = SEL(on_plane, splat(0.0), -h / dh);
-    *x = fma(t, du, u);
-    *y = fma(t, dv, v);
+    real t = SEL(on_plane, splat(0.0), -h / dh);
     *fx = fabs(u);
     *fy = fabs(v);
-    *t_out = t;
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
-    const mask starts_here = on_plane & ok;
-    search->doubtful |= starts_here;
-    if (search->careful && ANY(starts_here)) {
+<%def name="normal()">
 % if a is None:
         const real nx = splat(f[6]), ny = splat(f[7]), nz = splat(f[8]);
 % else:
-        const real n${names[a]} = sign, n${names[a1]} = splat(0.0), n${names[a2]} = splat(0.0);
+        const real n${names[a]} = sign, n${names[(a + 1) % 3]} = splat(0.0), n${names[(a + 2) % 3]} = splat(0.0);
 % endif
-        ok &= ~on_plane | crosses(search, p, code, nx, ny, nz, dh * sign, h * dh);
+</%def>
+% if "contact" in effects:
+    // What is noted of a face is farther away than what is asked for, so that a ray is either known
+    // to be on one side of it or has come so far to it that its way there says on which.
+    mask beside = LE(fabs(h), 64.0 * near) & ~departed & p->alive;
+    real at_u = u, at_v = v;
+    if (ANY(beside)) beside &= about_${cls.suffix}(row, &at_u, &at_v);
+    mask starts_here = lsplat(0L);
+    search->doubtful |= beside;
+    if (search->careful && ANY(beside)) {
+${normal()}
+        const mask goes_minus = LT(dh * sign, splat(0.0)), below = LT(h * sign, splat(0.0));
+        const mask on_minus = side_of(p, beside, code, GT(fabs(h), 16.0 * near), below, on_plane, 32.0 * near,
+                                      nx, ny, nz, dh * sign);
+        starts_here = beside & (on_plane | (on_minus ^ below));
+        t = SEL(starts_here, splat(0.0), t);
+        ok = SEL(starts_here, NE(dh, splat(0.0)) & NE(p->left, lsplat(NO_FACE)) & (on_minus ^ goes_minus), ok);
     }
+% else:
+    const mask starts_here = on_plane & ok;
+    search->doubtful |= starts_here;
+    if (search->careful && ANY(starts_here)) {
+${normal()}
+        ok &= ~on_plane | crosses(p, starts_here, code, nx, ny, nz, dh * sign, h * dh);
+    }
+% endif
+% if "contact" in effects:
+    // a ray that goes through the plane where it starts hits the face, if it is this near its edge
+    *x = SEL(starts_here, at_u, fma(t, du, u));
+    *y = SEL(starts_here, at_v, fma(t, dv, v));
+% else:
+    *x = fma(t, du, u);
+    *y = fma(t, dv, v);
+% endif
+    *t_out = t;
     return ok;
 }
 
@@ -97,18 +125,5 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
         c->y = SEL(moved, cy + fma(k1, uy, k2 * vy), c->y);
         c->z = SEL(moved, cz + fma(k1, uz, k2 * vz), c->z);
     }
-% endif
-}
-
-// The outward normal, for the lanes in m.
-FN void normal_${cls.suffix}(const scene_t *scene, lint code, mask m, real x, real y, real z,
-                         real *nx, real *ny, real *nz) {
-% if a is not None:
-    *n${names[a]} = SEL(m, AXIS_SIGN(code), *n${names[a]});
-% else:
-    const lint row = SEL(m, ELEMENT_OF(code) * ROW, lsplat(0L));
-    *nx = SEL(m, gather(scene->geometry + ROW_FRAME + 6, row), *nx);
-    *ny = SEL(m, gather(scene->geometry + ROW_FRAME + 7, row), *ny);
-    *nz = SEL(m, gather(scene->geometry + ROW_FRAME + 8, row), *nz);
 % endif
 }

@@ -37,7 +37,9 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
 % if "contact" in effects:
     p->before = SEL(m, lsplat(NO_FACE), p->before);
     p->earlier = SEL(m, lsplat(NO_FACE), p->earlier);
-    p->came_x = SEL(m, dx, p->came_x); p->came_y = SEL(m, dy, p->came_y); p->came_z = SEL(m, dz, p->came_z);
+    p->came_x = SEL(m, splat(0.0), p->came_x);
+    p->came_y = SEL(m, splat(0.0), p->came_y);
+    p->came_z = SEL(m, splat(0.0), p->came_z);
 % endif
     p->ray_lo = SELW(m, lo, p->ray_lo);
     p->ray_hi = SELW(m, hi, p->ray_hi);

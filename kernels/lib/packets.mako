@@ -7,13 +7,14 @@ ${item_struct}
 // A ray in every lane.  Weights are relative to the heaviest launched ray of the scene.
 // left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
 // or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
-// before: what it left before that; earlier: and before that, where the last segment had no length
-// (faces in contact; no face twice).  came: direction of the last segment that had a length.
+// before, earlier: the faces within rounding of where it started last, with the side of each that it
+// was on; noted_before, noted: those of where it starts now (faces.mako).  came: the last segment that
+// had a length.
 typedef struct {
     real ox, oy, oz, dx, dy, dz, w;
     lint left;
 % if "contact" in effects:
-    lint before, earlier;
+    lint before, earlier, noted_before, noted;
     real came_x, came_y, came_z;
 % endif
     word ray_lo, ray_hi, generation;
@@ -78,5 +79,10 @@ typedef struct {
     mask doubtful;
 } search_t;
 
-// In faces.mako; the elements' functions call it.
-FN mask crosses(const search_t *search, const packet_t *p, long code, real nx, real ny, real nz, real d_n, real h_d);
+// In faces.mako; the elements' functions call them.
+FN mask crosses(const packet_t *p, mask m, long code, real nx, real ny, real nz, real d_n, real h_d);
+% if "contact" in effects:
+FN void turn_page(packet_t *p);
+FN mask side_of(const packet_t *p, mask m, long code, mask sure, mask below, mask vague, real slack,
+                real nx, real ny, real nz, real d_n);
+% endif

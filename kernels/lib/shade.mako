@@ -100,11 +100,10 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % if "contact" in effects:
     // a segment no longer than the rounding of its ends has no direction to speak of
     const mask stayed = LE(h->t, (fabs(p->ox) + fabs(p->oy) + fabs(p->oz)) * (16.0 * UNIT_ROUNDOFF));
-    p->came_x = SEL(stayed, p->came_x, p->dx);
-    p->came_y = SEL(stayed, p->came_y, p->dy);
-    p->came_z = SEL(stayed, p->came_z, p->dz);
-    p->earlier = SEL(stayed, SEL(EQ(p->before >> 2, h->code), p->earlier, p->before), lsplat(NO_FACE));
-    p->before = p->left;
+    p->came_x = SEL(stayed, p->came_x, p->dx * h->t);
+    p->came_y = SEL(stayed, p->came_y, p->dy * h->t);
+    p->came_z = SEL(stayed, p->came_z, p->dz * h->t);
+    turn_page(p);
 % endif
 % if "splitting" in effects:
     *child = *p;

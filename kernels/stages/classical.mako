@@ -55,11 +55,20 @@ __kernel void intersect_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, __global double 
         nearest(&scene, &p, &hit);
         const lint at = queue_place(&queue, i);
         const lint code = SEL(hit.found, (hit.code << 1) | (hit.edge & 1L), lsplat(-1L));
+% if "contact" in effects:
+        __global long *before = queue.longs + ${queue_long.index("before")} * field;
+        __global long *earlier = queue.longs + ${queue_long.index("earlier")} * field;
+% endif
 % for l in range(lanes):
         if (${lane("p.alive", l)}) {
             hit_reals[${lane("at", l)}] = ${lane("hit.t", l)};
             hit_reals[field + ${lane("at", l)}] = ${lane("hit.plane", l)};
             hit_codes[${lane("at", l)}] = ${lane("code", l)};
+% if "contact" in effects:
+            // the search before is over: its notes make room for this one's
+            before[${lane("at", l)}] = ${lane("p.noted_before", l)};
+            earlier[${lane("at", l)}] = ${lane("p.noted", l)};
+% endif
         }
 % endfor
     }
@@ -88,6 +97,10 @@ __kernel void shade_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
         uint n;
         const lint i = rank_lanes(lsplat(-1L), &n) + j;
         take_rays(&queue, i, LT(i, lsplat((long)item.stack)), &p);
+% if "contact" in effects:
+        p.noted_before = p.before;
+        p.noted = p.earlier;
+% endif
         const lint at = queue_place(&queue, SEL(p.alive, i, lsplat(0L)));
         hit_t hit;
         const lint code = gather_long(hit_codes, at);

@@ -209,7 +209,7 @@ MUTANTS = (
     Mutant(
         "a launched ray hits the face it starts on",
         "lib/faces.mako",
-        (("return ~launched & ", "return launched | "),),
+        (("hit = m & NE(p->left, lsplat(NO_FACE))", "hit = m"),),
         gates.launched_rays_leave_their_face,
     ),
     Mutant(
@@ -220,9 +220,15 @@ MUTANTS = (
     ),
     Mutant(
         "faces in contact are never crossed",
-        "lib/faces.mako",
-        (("return ~launched & ", "return lsplat(0L) & "),),
+        "lib/flat.mako",
+        (("& (on_minus ^ goes_minus), ok)", "& lsplat(0L), ok)"),),
         gates.contact_behind_glass,
+    ),
+    Mutant(
+        "the sides of the faces in a corner are forgotten",
+        "lib/faces.mako",
+        (("return here & m;", "return lsplat(0L);"),),
+        gates.corners_hold,
     ),
     Mutant(
         "edges are open",

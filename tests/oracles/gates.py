@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from oracles import compare, philox, scenes
+from oracles import compare, corners, philox, scenes
 from oracles.engine import PLAN, compiled, probe, scene_of, trace, trace_compiled
 from oracles.kernels import run_text
 from oracles.scenes import BLACK, beam, cube, glass, mirror, wall
 from photizon_cl.scene_io import load
+from photizon_cl.surfaces import Mirror
 
 if TYPE_CHECKING:
     from oracles.engine import Traced
@@ -153,6 +154,15 @@ def edges_hold() -> None:
         directions = np.array(aims) - origin
         directions /= np.linalg.norm(directions, axis=1)[:, np.newaxis]
         assert probe(scene, np.tile(origin, (len(aims), 1)), directions).element.tolist() == want
+
+
+def corners_hold() -> None:
+    """No ray gets out between plates that cross at all angles, aimed at their edges and corners."""
+    for number in range(3):
+        r = np.random.default_rng([1, number])
+        chamber = corners.polyhedron(r, 4, 1.0, np.zeros(3), Mirror(1.0))
+        rays = corners.rays_at_edges(r, chamber, 2000)
+        assert corners.leaks(chamber, *rays) == (0, 0, 0)
 
 
 def far_field_bins() -> None:
