@@ -27,17 +27,19 @@ if TYPE_CHECKING:
     from photizon_cl.errors import (
         ArgumentError,
         PhotizonError,
+        RecipeError,
         ResultError,
         RunError,
         SceneError,
     )
     from photizon_cl.pathing import Paths, paths
     from photizon_cl.probing import probe
+    from photizon_cl.recipe import Recipe
     from photizon_cl.result import Result, open_result
     from photizon_cl.scene import Scene
     from photizon_cl.scene_io import load
     from photizon_cl.settings import FarField, RunSettings
-    from photizon_cl.simulation import trace
+    from photizon_cl.simulation import resume, trace
     from photizon_cl.sources.collimated_disk import CollimatedDisk
     from photizon_cl.sources.cosine_point import CosinePoint
     from photizon_cl.sources.isotropic_point import IsotropicPoint
@@ -52,12 +54,14 @@ _MODULE_OF: Final[dict[str, str]] = {
     # verbs
     "load": "photizon_cl.scene_io",
     "trace": "photizon_cl.simulation",
+    "resume": "photizon_cl.simulation",
     "probe": "photizon_cl.probing",
     "paths": "photizon_cl.pathing",
     "open_result": "photizon_cl.result",
     # what comes out
     "Result": "photizon_cl.result",
     "Paths": "photizon_cl.pathing",
+    "Recipe": "photizon_cl.recipe",
     # what goes in
     "Scene": "photizon_cl.scene",
     "RunSettings": "photizon_cl.settings",
@@ -84,6 +88,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "SceneError": "photizon_cl.errors",
     "ArgumentError": "photizon_cl.errors",
     "ResultError": "photizon_cl.errors",
+    "RecipeError": "photizon_cl.errors",
     "RunError": "photizon_cl.errors",
 }
 """Public name → the module that defines it; a name is public by standing here."""
@@ -108,6 +113,8 @@ __all__ = [
     "Paths",
     "PhotizonError",
     "PlanoConvex",
+    "Recipe",
+    "RecipeError",
     "Rectangle",
     "Result",
     "ResultError",
@@ -121,6 +128,7 @@ __all__ = [
     "open_result",
     "paths",
     "probe",
+    "resume",
     "trace",
 ]
 

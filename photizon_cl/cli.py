@@ -25,6 +25,8 @@ _DESCRIPTION: Final = (
     "and intensity with error bars."
 )
 _SCENE: Final = "a preset's name, or a scene file (.toml or .json)"
+_DIRECTORY: Final = "the directory that `photizon run --out` wrote"
+_DEVICE: Final = "number, type or part of a name, see `photizon devices`"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -50,6 +52,9 @@ def _parser() -> argparse.ArgumentParser:
     check = verb("check", "validate a scene, print its derived geometry and advisories", _check)
     check.add_argument("scene", metavar="SCENE", help=_SCENE)
     _add_run(verb("run", "trace a scene", _run))
+    _add_resume(verb("resume", "go on with a run that ended or was killed", _resume))
+    recipe = verb("recipe", "print a token that reproduces a run bit for bit", _recipe)
+    recipe.add_argument("directory", metavar="DIR", help=_DIRECTORY)
     _add_show(verb("show", "draw a scene with traced ray paths", _show))
     stability = verb("stability", "measure hard cases against 60-digit arithmetic", _stability)
     add_stability_arguments(stability)
@@ -58,23 +63,39 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_run(run: argparse.ArgumentParser) -> None:
-    run.add_argument("scene", metavar="SCENE", help=_SCENE)
+    run.add_argument("scene", metavar="SCENE", nargs="?", help=_SCENE)
     run.add_argument("--seed", type=_integer, metavar="N", help="random stream, 0 to 2^64 - 1")
-    goal = run.add_mutually_exclusive_group()
-    goal.add_argument("--batches", type=_integer, metavar="N", help="run exactly N batches")
-    goal.add_argument(
-        "--target", type=_number, metavar="S", help="stop at a median relative σ of S, in (0, 1]"
-    )
-    run.add_argument("--max-seconds", type=_number, metavar="T", help="stop after T seconds")
+    _add_goal(run, "run exactly N batches")
     run.add_argument(
         "--rays-per-batch", type=_integer, metavar="N", help="rays launched in a batch, up to 2^24"
     )
-    run.add_argument(
-        "--device", metavar="D", help="number, type or part of a name, see `photizon devices`"
-    )
-    run.add_argument("--precision", default="fp64", metavar="P", help="fp64")
+    run.add_argument("--device", metavar="D", help=_DEVICE)
+    run.add_argument("--precision", metavar="P", help="fp64")
     run.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
     run.add_argument("--json", action="store_true", help="print the summary as JSON, nothing else")
+    run.add_argument(
+        "--recipe", metavar="TOKEN",
+        help="instead of SCENE and settings: make this run again, bit for bit; a token of "
+        "`photizon recipe`, or a file that holds one",
+    )  # fmt: skip
+
+
+def _add_resume(resume: argparse.ArgumentParser) -> None:
+    resume.add_argument("directory", metavar="DIR", help=_DIRECTORY)
+    _add_goal(resume, "run until there are N batches in all")
+    resume.add_argument("--device", metavar="D", help=_DEVICE)
+    resume.add_argument(
+        "--json", action="store_true", help="print the summary as JSON, nothing else"
+    )
+
+
+def _add_goal(parser: argparse.ArgumentParser, batches: str) -> None:
+    goal = parser.add_mutually_exclusive_group()
+    goal.add_argument("--batches", type=_integer, metavar="N", help=batches)
+    goal.add_argument(
+        "--target", type=_number, metavar="S", help="stop at a median relative σ of S, in (0, 1]"
+    )
+    parser.add_argument("--max-seconds", type=_number, metavar="T", help="stop after T seconds")
 
 
 def _add_show(show: argparse.ArgumentParser) -> None:
@@ -84,9 +105,7 @@ def _add_show(show: argparse.ArgumentParser) -> None:
     show.add_argument(
         "--by", choices=("generation", "weight"), default="generation", help="what colours the rays"
     )
-    show.add_argument(
-        "--device", metavar="D", help="number, type or part of a name, see `photizon devices`"
-    )
+    show.add_argument("--device", metavar="D", help=_DEVICE)
     show.add_argument(
         "--out", metavar="FILE", help="a .png, .svg or .pdf file; default NAME.png, here"
     )
@@ -146,6 +165,19 @@ def _run(arguments: argparse.Namespace) -> int:
     from photizon_cl.cli_run import run
 
     return run(arguments)
+
+
+def _resume(arguments: argparse.Namespace) -> int:
+    from photizon_cl.cli_run import resume
+
+    return resume(arguments)
+
+
+def _recipe(arguments: argparse.Namespace) -> int:
+    from photizon_cl.result_io import open_result
+
+    print(open_result(arguments.directory).recipe)
+    return 0
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -1,15 +1,16 @@
-"""The verb ``run``: progress while it runs, then ledger, detectors and advisories."""
+"""The verbs ``run`` and ``resume``: progress, then ledger, detectors and advisories."""
 
 from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
 from photizon_cl.cli_show import console, paragraph, print_table, table
-from photizon_cl.errors import ArgumentError, ResultError
+from photizon_cl.errors import ArgumentError, ResultError, show
 from photizon_cl.figures_text import with_error
 
 if TYPE_CHECKING:
@@ -19,55 +20,128 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from photizon_cl.ledger import Estimate
+    from photizon_cl.progress import Progress
+    from photizon_cl.recipe import Recipe
     from photizon_cl.result import Result
-    from photizon_cl.simulation import Progress
+    from photizon_cl.scene import Scene
 
-__all__ = ["print_result", "run"]
+__all__ = ["print_result", "resume", "run"]
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Trace a scene as the arguments say; return the exit status."""
+    """Trace a scene, or a recipe, as the arguments say; return the exit status."""
     from photizon_cl.scene_io import load
 
-    scene = load(arguments.scene)  # a bad scene is told before anything heavy is imported
     if arguments.out == "":
         raise ArgumentError("--out: found nothing, expected a directory")
+    recipe = None
+    if arguments.recipe is not None:
+        recipe = _recipe(arguments)
+        scene = recipe.scene
+    elif arguments.scene is None:
+        raise ArgumentError("SCENE: found nothing, expected a preset's name or a scene file")
+    else:
+        scene = load(arguments.scene)  # a bad scene is told before anything heavy is imported
 
-    from photizon_cl.result_io import prepare_target
     from photizon_cl.simulation import trace
 
-    if arguments.out is not None:
-        prepare_target(arguments.out)  # now, not when the run is done
+    _warn_of_splitting(scene)
+    with _Display(scene.title or scene.name) as display:
+        if recipe is not None:
+            result = recipe.trace(
+                device=arguments.device, progress=display.update, checkpoint=arguments.out
+            )
+        else:
+            result = trace(
+                scene,
+                seed=arguments.seed,
+                batches=arguments.batches,
+                target=arguments.target,
+                max_seconds=arguments.max_seconds,
+                rays_per_batch=arguments.rays_per_batch,
+                device=arguments.device,
+                precision=arguments.precision or "fp64",
+                progress=display.update,
+                checkpoint=arguments.out,
+            )
+    differs = "" if recipe is None else recipe.differs(result)
+    status = _give(result, arguments.out, as_json=arguments.json)
+    if recipe is not None:
+        said = f"not reproduced: {differs}" if differs else "reproduced: every bit is the recipe's"
+        print(said, file=sys.stderr)
+    return 1 if differs else status
+
+
+def resume(arguments: argparse.Namespace) -> int:
+    """Go on with a run as the arguments say; return the exit status."""
+    from photizon_cl.checkpoint import latest
+    from photizon_cl.simulation import resume
+
+    scene = latest(arguments.directory).scene
+    with _Display(scene.title or scene.name) as display:
+        result = resume(
+            arguments.directory,
+            batches=arguments.batches,
+            target=arguments.target,
+            max_seconds=arguments.max_seconds,
+            device=arguments.device,
+            progress=display.update,
+        )
+    return _give(result, arguments.directory, as_json=arguments.json)
+
+
+def _recipe(arguments: argparse.Namespace) -> Recipe:
+    """Return the recipe that ``--recipe`` names; nothing else may say what to run."""
+    from photizon_cl.recipe import Recipe
+
+    for name in (
+        "scene",
+        "seed",
+        "batches",
+        "target",
+        "max_seconds",
+        "rays_per_batch",
+        "precision",
+    ):
+        if getattr(arguments, name) is not None:
+            flag = "SCENE" if name == "scene" else f"--{name.replace('_', '-')}"
+            raise ArgumentError(
+                f"{flag}: found {show(getattr(arguments, name))}, expected nothing: the recipe "
+                "says what is run"
+            )
+    given: str = arguments.recipe
+    try:
+        file = Path(given)
+        if file.is_file():
+            given = file.read_text(encoding="utf-8")
+    except (OSError, ValueError):  # a token is no path, and too long for one
+        pass
+    return Recipe.read(given)
+
+
+def _warn_of_splitting(scene: Scene) -> None:
     if any(element.surface.splits for element in scene.element):
         # said before the run as well: a scene that splits without end may take all its time
         for advisory in scene.advisories():
             print(f"advisory: {advisory}", file=sys.stderr)
-    with _Display(scene.title or scene.name) as display:
-        result = trace(
-            scene,
-            seed=arguments.seed,
-            batches=arguments.batches,
-            target=arguments.target,
-            max_seconds=arguments.max_seconds,
-            rays_per_batch=arguments.rays_per_batch,
-            device=arguments.device,
-            precision=arguments.precision,
-            progress=display.update,
-        )
+
+
+def _give(result: Result, folder: str | None, *, as_json: bool) -> int:
+    """Write and print a result; return the exit status."""
     # Files first: a reader that closes the pipe must not cost the result.
     failed: ResultError | None = None
-    if arguments.out is not None:
+    if folder is not None:
         try:
-            result.save(arguments.out)
+            result.save(folder)
         except ResultError as error:
             failed = error  # the numbers are still worth printing
-    if arguments.json:
+    if as_json:
         print(json.dumps(result.summary(), indent=2, ensure_ascii=True, allow_nan=False))
         return _told(failed)
     out = console()
     print_result(result, out)
-    if arguments.out is not None and failed is None:
-        out.print(f"\nwritten to {arguments.out}", soft_wrap=True)
+    if folder is not None and failed is None:
+        out.print(f"\nwritten to {folder}", soft_wrap=True)
     return _told(failed)
 
 
@@ -95,7 +169,7 @@ class _Display:
             from rich.live import Live
 
             self.live = Live(
-                Text(f"{self.title}: preparing the device …"),
+                Text(f"{self.title}: building the program, tracing the first batch …"),
                 console=err,
                 refresh_per_second=8,
                 transient=True,

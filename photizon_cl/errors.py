@@ -6,6 +6,7 @@ The tree::
     ├── SceneError (also ValueError)    2   a scene, as read or as built in code, is not valid
     ├── ArgumentError (also ValueError) 2   a call's or command's argument is not valid
     ├── ResultError (also ValueError)   2   a result directory or file cannot be used
+    ├── RecipeError (also ValueError)   2   a recipe's token is not one, or cannot be used here
     └── RunError (also RuntimeError)    1   a run was started and failed
 
 The command line prints ``str(error)`` on standard error and leaves with ``exit_code``; anything
@@ -99,6 +100,12 @@ class ArgumentError(PhotizonError, ValueError):
 
 class ResultError(PhotizonError, ValueError):
     """A result directory or file is missing, damaged, or of another kind."""
+
+    exit_code: ClassVar[int] = 2
+
+
+class RecipeError(PhotizonError, ValueError):
+    """A recipe is damaged, or its scene is not what it was."""
 
     exit_code: ClassVar[int] = 2
 

@@ -17,11 +17,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from concurrent.futures import Executor
 
+    from numpy.typing import NDArray
+
     from hostcode.device import DeviceRecord
     from hostcode.plan import ExecutionPlan
     from photizon_cl.compile import CompiledScene
+    from photizon_cl.progress import Progress
     from photizon_cl.scene import Scene
-    from photizon_cl.simulation import Progress
     from photizon_cl.statistics import Accumulator
 
 __all__ = ["RESULT_SCHEMA", "Result", "RunInfo", "open_result"]
@@ -50,6 +52,8 @@ class RunInfo:
         Largest |closure| of a batch, in units of 2^-95 launched weights.
     goal : Goal
         What the run was to reach.
+    history : tuple of (int, float, float or None)
+        Batches, seconds and σ achieved (None where there is none) as the run went on.
     """
 
     device: str = ""
@@ -59,6 +63,7 @@ class RunInfo:
     build_seconds: float = 0.0
     worst_closure: int = 0
     goal: Goal = field(default_factory=Goal)
+    history: tuple[tuple[int, float, float | None], ...] = ()
 
 
 class Result:
@@ -140,6 +145,30 @@ class Result:
         """Median relative standard error, see `photizon_cl.stopping.achieved_sigma`."""
         return achieved_sigma(self.compiled.layout, self.tally)
 
+    @cached_property
+    def history(self) -> NDArray[np.void]:
+        """How σ fell: a row for waves in order, thinned where there are many.
+
+        Fields ``batches`` (int64), ``rays`` (int64), ``seconds`` (float64, on the host's clock) and
+        ``sigma`` (float64, the `achieved_sigma` then; NaN where there was none).
+        """
+        rows = np.array(
+            [
+                (b, b * self.scene.run.rays_per_batch, t, np.nan if s is None else s)
+                for b, t, s in self.info.history
+            ],
+            dtype=[("batches", "i8"), ("rays", "i8"), ("seconds", "f8"), ("sigma", "f8")],
+        )
+        rows.flags.writeable = False
+        return rows
+
+    @property
+    def recipe(self) -> str:
+        """A short token with which ``photizon run --recipe`` makes the same bits again."""
+        from photizon_cl.recipe import Recipe
+
+        return Recipe.of(self).token
+
     @property
     def target_sigma(self) -> float:
         """The one that was asked for, or that of the scene."""
@@ -208,6 +237,7 @@ class Result:
         progress: Callable[[Progress], object] | None = None,
         executor: Executor | None = None,
         plan: ExecutionPlan | None = None,
+        checkpoint: str | os.PathLike[str] | None = None,
     ) -> Result:
         """Go on with the same stream and return the result of all batches; this one stays.
 
@@ -222,7 +252,7 @@ class Result:
             had holds.
         max_seconds : float, optional
             Seconds that this call may take.
-        device, progress, executor, plan : optional
+        device, progress, executor, plan, checkpoint : optional
             As in `photizon_cl.trace`.
 
         Raises
@@ -243,15 +273,16 @@ class Result:
             progress=progress,
             executor=executor,
             plan=plan,
+            checkpoint=checkpoint,
         )
 
     def save(self, path: str | os.PathLike[str], *, figures: bool = True) -> None:
         """Write the result into a directory, which is made where it is not there.
 
         ``summary.json``, ``scene.toml`` (as run), ``result.nc`` (every array with its coordinates
-        and units, and the exact tallies that `refine` goes on from) and ``figures/``. Each file is
-        replaced in one step. A result that is there already is replaced; other files are left
-        alone.
+        and units, and the exact tallies that `refine` goes on from), ``recipe.txt`` and
+        ``figures/``. Each file is replaced in one step, and the run's checkpoint there goes. A
+        result that is there already is replaced; other files are left alone.
 
         Parameters
         ----------

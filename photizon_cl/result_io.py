@@ -4,20 +4,23 @@
 for any reader of netCDF-4; its group ``tally`` holds the exact integers that they come from, with
 which a run goes on. `open_result` reads the integers and derives the rest as the run did, so that
 every number comes back to the bit.
+
+While a run is under way, ``checkpoint.nc`` stands there as well, see `photizon_cl.checkpoint`.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import tempfile
 import tomllib
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from photizon_cl.atomic import TEMPORARY, reason, replacing, sweep
 from photizon_cl.compile import compile_scene
 from photizon_cl.errors import PhotizonError, ResultError, show
 from photizon_cl.result import RESULT_SCHEMA, Result, RunInfo
@@ -27,25 +30,45 @@ from photizon_cl.statistics import Accumulator, AccumulatorState
 from photizon_cl.stopping import Goal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     import xarray as xr
 
-__all__ = ["check_target", "open_result", "prepare_target", "save"]
+__all__ = [
+    "CHECKPOINT",
+    "check_target",
+    "open_result",
+    "prepare_target",
+    "read",
+    "save",
+    "unfinished",
+    "write_state",
+]
 
+CHECKPOINT: Final = "checkpoint.nc"
+"""The file of a run that is under way, or was killed."""
 _ARRAYS: Final = "result.nc"
 _GROUP: Final = "tally"
-_OURS: Final = frozenset({"summary.json", "scene.toml", _ARRAYS, "figures", "recipe.txt"})
+_OURS: Final = frozenset(
+    {"summary.json", "scene.toml", _ARRAYS, CHECKPOINT, "figures", "recipe.txt", "report.html"}
+)
 _STATE: Final = ("limbs", "count", "mean", "m2")
+_HISTORY: Final = ("batches", "seconds", "sigma")
 
 
-def check_target(path: str | os.PathLike[str]) -> Path:
+def check_target(path: str | os.PathLike[str], result: Result | None = None) -> Path:
     """Return the directory that a result may be written into; makes nothing.
+
+    Parameters
+    ----------
+    path : str or path
+        The directory.
+    result : Result, optional
+        What is to be written there; its own checkpoint may be there.
 
     Raises
     ------
     ResultError
-        Where it is a file, or a directory that holds something and no result.
+        Where it is a file, or a directory that holds something and no result, or one with the
+        checkpoint of another run.
     """
     folder = Path(os.fsdecode(path))
     shown = show(str(folder))
@@ -56,20 +79,38 @@ def check_target(path: str | os.PathLike[str]) -> Path:
             return folder
         if not folder.is_dir():
             raise ResultError(f"{shown} is a file: give a directory to write the result into")
-        there = {entry.name for entry in folder.iterdir()}
+        there = {e.name for e in folder.iterdir() if not e.name.startswith(TEMPORARY)}
     except (OSError, ValueError) as error:
-        raise ResultError(f"{shown} cannot be used: {_reason(error)}") from None
+        raise ResultError(f"{shown} cannot be used: {reason(error)}") from None
     if there and _ARRAYS not in there and not there <= _OURS:
         raise ResultError(
             f"{shown} holds files and no photizon result: give a new or empty directory, so that "
             "nothing is overwritten"
         )
     if _ARRAYS in there:
-        open_result(folder)  # something else of that name is not ours to replace
+        read(folder)  # something else of that name is not ours to replace
+    if CHECKPOINT in there:
+        _check_unfinished(folder, result)
     return folder
 
 
-def prepare_target(path: str | os.PathLike[str]) -> Path:
+def _check_unfinished(folder: Path, result: Result | None) -> None:
+    """Refuse to lose the batches of a run that was killed."""
+    left = _open(folder / CHECKPOINT)
+    own = result is not None and (
+        left.scene.digest() == result.scene.digest()
+        and left.scene.run.seed == result.scene.run.seed
+        and left.batches <= result.batches
+    )
+    if left.batches and not own:
+        raise ResultError(
+            f"{show(str(folder))} holds an unfinished run of {left.scene.name!r} with "
+            f"{left.batches} batches: `photizon resume` goes on with it; to start anew, give "
+            f"another directory or remove {CHECKPOINT} there"
+        )
+
+
+def prepare_target(path: str | os.PathLike[str], result: Result | None = None) -> Path:
     """Make the directory that a result will be written into, and see that it can be.
 
     Raises
@@ -77,36 +118,42 @@ def prepare_target(path: str | os.PathLike[str]) -> Path:
     ResultError
         Where `check_target` refuses it, or nothing can be written there.
     """
-    folder = check_target(path)
+    folder = check_target(path, result)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise ResultError(
-            f"{show(str(folder))} cannot be written: {_reason(error)}; give another directory"
+            f"{show(str(folder))} cannot be written: {reason(error)}; give another directory"
         ) from None
+    sweep(folder)
     return folder
 
 
 def save(result: Result, path: str | os.PathLike[str], *, figures: bool = True) -> None:
     """Write a result, see `Result.save`."""
-    folder = check_target(path)
+    from photizon_cl.recipe import Recipe
+
+    folder = check_target(path, result)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         stale = _figures_of(folder)
-        with _replacing(folder / "scene.toml") as temporary:
+        with replacing(folder / "scene.toml") as temporary:
             temporary.write_text(to_toml(result.scene), encoding="utf-8")
-        with _replacing(folder / _ARRAYS) as temporary:
+        with replacing(folder / _ARRAYS) as temporary:
             _write_arrays(result, temporary)
+        (folder / CHECKPOINT).unlink(missing_ok=True)  # the result holds as much and more
+        with replacing(folder / "recipe.txt") as temporary:
+            temporary.write_text(Recipe.of(result).token + "\n", encoding="ascii")
         drawn = _draw(result, folder / "figures") if figures else set()
         for name in stale - drawn:
             (folder / "figures" / name).unlink(missing_ok=True)
-        with _replacing(folder / "summary.json") as temporary:
+        with replacing(folder / "summary.json") as temporary:
             text = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False)
             temporary.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
-        raise ResultError(f"{show(str(folder))} cannot be written: {_reason(error)}") from error
+        raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from error
 
 
 def _figures_of(folder: Path) -> set[str]:
@@ -115,7 +162,7 @@ def _figures_of(folder: Path) -> set[str]:
 
     if not (folder / _ARRAYS).exists():
         return set()
-    return set(figure_names(open_result(folder)))
+    return set(figure_names(read(folder)))
 
 
 def _draw(result: Result, folder: Path) -> set[str]:
@@ -124,31 +171,10 @@ def _draw(result: Result, folder: Path) -> set[str]:
     folder.mkdir(exist_ok=True)
     names = set()
     for name, draw in draw_all(result):
-        with _replacing(folder / name) as temporary:
+        with replacing(folder / name) as temporary:
             draw(temporary)
         names.add(name)
     return names
-
-
-@contextmanager
-def _replacing(target: Path) -> Iterator[Path]:
-    """Give a temporary path beside `target` that takes its place when all went well."""
-    handle, name = tempfile.mkstemp(prefix=".", suffix=target.suffix, dir=target.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        os.replace(temporary, target)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
-
-
-def _reason(error: Exception) -> str:
-    return getattr(error, "strerror", None) or str(error)
 
 
 # -- writing -------------------------------------------------------------------------------------
@@ -156,15 +182,29 @@ def _reason(error: Exception) -> str:
 
 def _write_arrays(result: Result, path: Path) -> None:
     arrays = dataset(result)
-    arrays.attrs["schema"] = RESULT_SCHEMA
-    arrays.attrs["scene"] = to_toml(result.scene)
-    _write(arrays, path, "w", None)
+    _write(_named(result, arrays), path, "w", None)
     _write(_tally_dataset(result), path, "a", _GROUP)
 
 
-def _write(arrays: xr.Dataset, path: Path, mode: Any, group: str | None) -> None:
-    packed = {"zlib": True, "complevel": 4, "shuffle": True}
-    encoding = {name: packed for name, a in arrays.variables.items() if a.size > 1024}
+def write_state(result: Result, path: Path) -> None:
+    """Write what a run goes on from, and no arrays."""
+    import xarray as xr
+
+    _write(_named(result, xr.Dataset()), path, "w", None)
+    _write(_tally_dataset(result), path, "a", _GROUP, packed=False)
+
+
+def _named(result: Result, arrays: xr.Dataset) -> xr.Dataset:
+    arrays.attrs["schema"] = RESULT_SCHEMA
+    arrays.attrs["scene"] = to_toml(result.scene)
+    return arrays
+
+
+def _write(
+    arrays: xr.Dataset, path: Path, mode: Any, group: str | None, *, packed: bool = True
+) -> None:
+    how = {"zlib": True, "complevel": 4, "shuffle": True}
+    encoding = {name: how for name, a in arrays.variables.items() if packed and a.size > 1024}
     arrays.to_netcdf(path, mode=mode, group=group, engine="h5netcdf", encoding=encoding)
 
 
@@ -178,6 +218,10 @@ def _tally_dataset(result: Result) -> xr.Dataset:
             "count": (("cell",), state.count, {"units": "1", "long_name": "arrivals"}),
             "mean": (("quantity",), state.mean, {"long_name": "running mean (Welford)"}),
             "m2": (("quantity",), state.m2, {"long_name": "sum of squared deviations (Welford)"}),
+            **{
+                f"history_{name}": (("wave",), result.history[name], {"units": unit})
+                for name, unit in zip(_HISTORY, ("1", "s", "1"), strict=True)
+            },
         },
         attrs={
             "description": "in launched weights; limbs are of 2^1, 2^-31, 2^-63, 2^-95",
@@ -203,6 +247,46 @@ def _tally_dataset(result: Result) -> xr.Dataset:
 def open_result(path: str | os.PathLike[str]) -> Result:
     """Read a result, see `photizon_cl.open_result`."""
     given = Path(os.fsdecode(path))
+    left = unfinished(given) if given.name != _ARRAYS else None
+    if left is None:
+        return read(given)
+    if (given / _ARRAYS).is_file():
+        found = read(given)
+        same = found.scene.digest() == left.scene.digest()
+        if same and found.scene.run.seed == left.scene.run.seed:
+            return found  # whole as far as it goes; the run that adds to it was killed
+        raise ResultError(
+            f"{show(str(given))} holds a result of {found.scene.name!r} and an unfinished run of "
+            f"{left.scene.name!r} (seed {left.scene.run.seed}) over it: `photizon resume` ends the "
+            f"run; the {_ARRAYS} in it is the older result"
+        )
+    if not left.batches:
+        raise ResultError(
+            f"{show(str(given))} holds a run that was ended before its first batch: `photizon "
+            "resume` starts it again"
+        )
+    return left
+
+
+def unfinished(path: str | os.PathLike[str]) -> Result | None:
+    """Return what the checkpoint in a directory holds, perhaps no batch; None without one.
+
+    Raises
+    ------
+    ResultError
+        Where it is damaged.
+    """
+    file = Path(os.fsdecode(path)) / CHECKPOINT
+    try:
+        there = file.is_file()
+    except (OSError, ValueError):  # what is wrong with the path, `read` tells
+        there = False
+    return _open(file) if there else None
+
+
+def read(path: str | os.PathLike[str]) -> Result:
+    """Return the result in a directory, or in the ``result.nc`` of one."""
+    given = Path(os.fsdecode(path))
     shown = show(str(given))
     try:
         file = given / _ARRAYS if given.is_dir() else given
@@ -214,7 +298,11 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     except (OSError, ValueError) as error:
         if isinstance(error, ResultError):
             raise
-        raise ResultError(f"{shown} cannot be read: {_reason(error)}") from None
+        raise ResultError(f"{shown} cannot be read: {reason(error)}") from None
+    return _open(file)
+
+
+def _open(file: Path) -> Result:
     try:
         return _read(file)
     except ResultError:
@@ -228,7 +316,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
         tomllib.TOMLDecodeError,
     ) as error:
         raise ResultError(
-            f"{shown} is damaged or not a photizon result: {' '.join(str(error).split())}"
+            f"{show(str(file))} is damaged or not a photizon result: {' '.join(str(error).split())}"
         ) from error
 
 
@@ -244,6 +332,10 @@ def _read(file: Path) -> Result:
         scene = load(tomllib.loads(top.attrs["scene"]))
     with xr.open_dataset(file, engine="h5netcdf", group=_GROUP, decode_cf=False) as group:
         arrays = {name: np.array(group[name].values) for name in _STATE}
+        history = [  # results of the first version have none
+            group[f"history_{name}"].values.tolist() if f"history_{name}" in group else []
+            for name in _HISTORY
+        ]
         attrs = dict(group.attrs)
     compiled = compile_scene(scene, scene.run)
     layout = compiled.layout
@@ -259,5 +351,8 @@ def _read(file: Path) -> Result:
         build_seconds=float.fromhex(attrs["build_seconds"]),
         worst_closure=int(attrs["worst_closure"]),
         goal=Goal(*json.loads(attrs["goal"])),
+        history=tuple(
+            (b, t, None if math.isnan(s) else s) for b, t, s in zip(*history, strict=True)
+        ),
     )
     return Result(compiled, tally, info)

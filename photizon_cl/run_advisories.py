@@ -30,10 +30,11 @@ def _short(result: Result) -> Iterator[str]:
         return
     target, achieved = result.target_sigma, result.achieved_sigma
     if achieved is not None:
-        yield (
-            f"the target was not met: the median relative σ is {achieved:.3g} and {target:.3g} was "
-            "asked for; go on with a higher max_seconds or more batches"
-        )
+        if result.info.goal.target is not None:  # else a number of batches was asked for
+            yield (
+                f"the target was not met: the median relative σ is {achieved:.3g} and {target:.3g} "
+                "was asked for; go on with a higher max_seconds or more batches"
+            )
     elif result.batches < 2:
         yield "a single batch has no standard error: run at least two, better 8 or more"
     else:

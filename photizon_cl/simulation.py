@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import operator
 import signal
 import threading
-import time
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.compile import MAX_RAY_NUMBER, CompiledScene, compile_scene
 from photizon_cl.distribution import Executed, Local, Runner
 from photizon_cl.errors import ArgumentError, RunError, SceneError, show
 from photizon_cl.ledger import check_batch
+from photizon_cl.progress import Clock, Progress
 from photizon_cl.result import Result, RunInfo
 from photizon_cl.scene_io import load
 from photizon_cl.statistics import Accumulator, complete
-from photizon_cl.stopping import LEAST_BATCHES, Goal, achieved_sigma
+from photizon_cl.stopping import Goal, History
 
 if TYPE_CHECKING:
     import os
@@ -30,44 +28,10 @@ if TYPE_CHECKING:
     from hostcode.plan import ExecutionPlan
     from photizon_cl.scene import Scene
 
-__all__ = ["PRECISIONS", "Progress", "refine", "trace"]
+__all__ = ["PRECISIONS", "Progress", "refine", "resume", "trace"]
 
 PRECISIONS: Final = ("fp64",)
 """Precisions that a trace can have."""
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a run is; given to `progress` after each wave.
-
-    Parameters
-    ----------
-    batches : int
-        Batches in the result so far.
-    goal_batches : int or None
-        Batches at which the run ends, where that is fixed.
-    target : float or None
-        Relative standard error at which the run ends, where one is asked for.
-    achieved_sigma : float or None
-        The one reached; None with a single batch, or where nothing has one.
-    interactions : int
-        Surface interactions of these batches.
-    seconds : float
-        Time of this call so far.
-    interactions_per_second : float
-        In this call.
-    eta_seconds : float or None
-        Time left, as far as it can be told: σ falls with the square root of the batches.
-    """
-
-    batches: int
-    goal_batches: int | None
-    target: float | None
-    achieved_sigma: float | None
-    interactions: int
-    seconds: float
-    interactions_per_second: float
-    eta_seconds: float | None
 
 
 def trace(
@@ -83,6 +47,7 @@ def trace(
     progress: Callable[[Progress], object] | None = None,
     executor: Executor | None = None,
     plan: ExecutionPlan | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
 ) -> Result:
     """Trace a scene and return power, irradiance and intensity with their standard errors.
 
@@ -116,6 +81,9 @@ def trace(
         processes must be spawned, not forked, once this process has used OpenCL.
     plan : ExecutionPlan, optional
         How a device runs a wave; changes no bit.
+    checkpoint : str or path, optional
+        Directory, made where it is not there, that keeps a checkpoint of the run; `resume` goes on
+        with it should the process die. It goes when the result is saved there.
 
     Returns
     -------
@@ -126,6 +94,8 @@ def trace(
     ------
     SceneError, ArgumentError
         Where the scene or an argument is not valid.
+    ResultError
+        Where `checkpoint` cannot be used, or holds another unfinished run.
     RunError
         Where there is no usable device, or the run fails.
     """
@@ -152,7 +122,49 @@ def trace(
     layout = compiled.layout
     tally = Accumulator(layout.n_cells, [(layout.killed, layout.boosted)])
     start = Result(compiled, tally, RunInfo(precision=precision, goal=goal))
-    return _go_on(start, goal, device, progress, executor, plan)
+    return _go_on(start, goal, device, progress, executor, plan, checkpoint)
+
+
+def resume(
+    path: str | os.PathLike[str],
+    *,
+    target: float | None = None,
+    batches: int | None = None,
+    max_seconds: float | None = None,
+    device: DeviceRecord | str | int | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    executor: Executor | None = None,
+    plan: ExecutionPlan | None = None,
+) -> Result:
+    """Go on with the run in a directory, wherever it ended or was killed.
+
+    The outcome is bit for bit that of one uninterrupted run. While it goes on the directory keeps a
+    checkpoint; `Result.save` writes the outcome there.
+
+    Parameters
+    ----------
+    path : str or path
+        The directory that ``run --out``, `Result.save` or ``trace(checkpoint=…)`` wrote.
+    target : float, optional
+        Relative standard error to reach.
+    batches : int, optional
+        Batches in all. Without either, the goal that the run had holds.
+    max_seconds, device, progress, executor, plan : optional
+        As in `trace`.
+
+    Raises
+    ------
+    ResultError
+        Where there is no run, or it is damaged.
+    ArgumentError, RunError
+        As in `trace`.
+    """
+    from photizon_cl.checkpoint import latest
+
+    return refine(
+        latest(path), target=target, batches=batches, max_seconds=max_seconds, device=device,
+        progress=progress, executor=executor, plan=plan, checkpoint=path,
+    )  # fmt: skip
 
 
 def refine(
@@ -165,6 +177,7 @@ def refine(
     progress: Callable[[Progress], object] | None = None,
     executor: Executor | None = None,
     plan: ExecutionPlan | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
 ) -> Result:
     """Add batches to the stream of a result, see `Result.refine`."""
     if target is None and batches is None:
@@ -186,7 +199,7 @@ def refine(
     start = Result(compiled, result.tally.copy(), dataclasses.replace(result.info, goal=goal))
     if start.batches and goal.reached(compiled.layout, start.tally):
         return start
-    return _go_on(start, goal, device, progress, executor, plan)
+    return _go_on(start, goal, device, progress, executor, plan, checkpoint)
 
 
 def _as_run(scene: Scene, **settings: Any) -> Scene:
@@ -231,21 +244,41 @@ def _go_on(
     progress: Callable[[Progress], object] | None,
     executor: Executor | None,
     plan: ExecutionPlan | None,
+    checkpoint: str | os.PathLike[str] | None,
 ) -> Result:
     """Add batches to a result that nobody else holds until its goal is reached."""
     compiled, tally, info = start.compiled, start.tally, start.info
+    keeper = None
+    if checkpoint is not None:
+        from photizon_cl.checkpoint import Keeper
+        from photizon_cl.result_io import prepare_target
+
+        keeper = Keeper(prepare_target(checkpoint, start), start)
     chosen = str(device) if isinstance(device, int) else device
     runner: Runner
     if executor is None:
         runner = Local(compiled.tables, chosen, plan)
     else:
         runner = Executed(executor, compiled.scene.digest(), compiled.tables, chosen, plan)
-    clock = _Clock(goal, tally.batches)
+    clock = Clock(goal, tally.batches)
     if isinstance(runner, Local):
         runner.engine.give_up = clock.must_stop
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
+    history = History(info.history, info.seconds)
+
+    def so_far() -> RunInfo:
+        return dataclasses.replace(
+            info,
+            device=label,
+            interactions=info.interactions + interactions,
+            seconds=info.seconds + clock.elapsed(),
+            build_seconds=info.build_seconds + build,
+            worst_closure=worst,
+            history=history.rows,
+        )
+
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
     with _interruptible() as interrupted:
         try:
@@ -261,8 +294,11 @@ def _go_on(
                         break  # what was computed beyond is dropped: the goal fixes the bits
                 label, build = chunk.device, max(build, chunk.build_seconds)
                 clock.note(tally.batches)
+                history.note(compiled.layout, tally, clock.elapsed())
+                if keeper is not None:
+                    keeper.note(lambda: Result(compiled, tally, so_far()))
                 if progress is not None:
-                    progress(_progress(compiled, tally, goal, info, interactions, clock))
+                    progress(Progress.of(compiled, tally, goal, info, interactions, clock))
                 if done or interrupted() or clock.over():
                     break
         finally:
@@ -271,84 +307,11 @@ def _go_on(
                 close()
     if not tally.batches:
         raise RunError(_no_batch(compiled, clock))
-    info = dataclasses.replace(
-        info,
-        device=label,
-        interactions=info.interactions + interactions,
-        seconds=info.seconds + clock.elapsed(),
-        build_seconds=info.build_seconds + build,
-        worst_closure=worst,
-    )
-    return Result(compiled, tally, info)
-
-
-class _Clock:
-    """Time of one call, and how many batches still fit into it."""
-
-    def __init__(self, goal: Goal, first: int) -> None:
-        self.limit = goal.max_seconds
-        self.first = self.batches = first
-        self.started = time.perf_counter()
-
-    def elapsed(self) -> float:
-        return time.perf_counter() - self.started
-
-    def note(self, batches: int) -> None:
-        self.batches = batches
-
-    def over(self) -> bool:
-        return self.limit is not None and self.elapsed() >= self.limit
-
-    def must_stop(self) -> bool:
-        """Say whether the batches in flight are to be given up: time is up and there are others.
-
-        The first batch of a call has twice the time and ten seconds more.
-        """
-        if self.limit is None:
-            return False
-        first = self.batches == self.first
-        return self.elapsed() >= (2.0 * self.limit + 10.0 if first else self.limit)
-
-    def batches_in_time(self) -> int | None:
-        """Return how many batches may go into a wave: one at first, to learn how long it takes."""
-        if self.limit is None:
-            return None
-        made = self.batches - self.first
-        if not made:
-            return 1
-        left = max(self.limit - self.elapsed(), 0.0)
-        return max(int(min(left * made / max(self.elapsed(), 1e-9), 1e9)), 1)
-
-
-def _progress(
-    compiled: CompiledScene,
-    tally: Accumulator,
-    goal: Goal,
-    info: RunInfo,
-    interactions: int,
-    clock: _Clock,
-) -> Progress:
-    achieved = achieved_sigma(compiled.layout, tally)
-    seconds = max(clock.elapsed(), 1e-9)
-    pace = seconds / max(tally.batches - clock.first, 1)
-    left = []
-    if goal.batches is not None:
-        left.append((goal.batches - tally.batches) * pace)
-    if goal.target is not None and achieved is not None:
-        needed = max(tally.batches * (achieved / goal.target) ** 2, LEAST_BATCHES)
-        left.append(max(needed - tally.batches, 0.0) * pace)
-    if goal.max_seconds is not None:
-        left.append(max(goal.max_seconds - seconds, 0.0))
-    return Progress(
-        batches=tally.batches,
-        goal_batches=goal.batches,
-        target=goal.target,
-        achieved_sigma=achieved,
-        interactions=info.interactions + interactions,
-        seconds=seconds,
-        interactions_per_second=interactions / seconds,
-        eta_seconds=min(left) if left and math.isfinite(min(left)) else None,
-    )
+    history.note(compiled.layout, tally, clock.elapsed(), last=True)
+    result = Result(compiled, tally, so_far())
+    if keeper is not None:
+        keeper.note(lambda: result, last=True)
+    return result
 
 
 @contextmanager
@@ -376,7 +339,7 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, before)
 
 
-def _no_batch(compiled: CompiledScene, clock: _Clock) -> str:
+def _no_batch(compiled: CompiledScene, clock: Clock) -> str:
     run = compiled.settings
     advice = "lower rays_per_batch or raise max_seconds"
     if "splitting" in compiled.effects:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from photizon_cl.layout import TallyLayout
     from photizon_cl.statistics import Accumulator
 
-__all__ = ["LEAST_BATCHES", "Goal", "achieved_sigma"]
+__all__ = ["LEAST_BATCHES", "Goal", "History", "achieved_sigma"]
 
 LEAST_BATCHES: Final = 8
 """Batches before a target can be met: a standard error from fewer is itself too uncertain."""
@@ -71,3 +72,39 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
             np.concatenate([tally.count[first : first + n] for first, n in ranges]) >= LIT_COUNT
         )
     return float(np.median(error[known] / mean[known])) if known.any() else None
+
+
+class History:
+    """How σ fell while a run went on.
+
+    Parameters
+    ----------
+    rows : tuple of (int, float, float or None)
+        What is known from earlier calls: batches, seconds, σ.
+    seconds : float
+        Time of those calls.
+    """
+
+    _MOST: Final = 512
+    """Rows, beyond which every other one is dropped."""
+    _SHARE: Final = 0.02
+    """Part of a run's time that looking at σ may take."""
+
+    def __init__(self, rows: tuple[tuple[int, float, float | None], ...], seconds: float) -> None:
+        self.rows = rows
+        self._before = seconds
+        self._next = 0.0
+
+    def note(
+        self, layout: TallyLayout, tally: Accumulator, elapsed: float, *, last: bool = False
+    ) -> None:
+        """Add a row, where it is time for one or this is the last one of the call."""
+        if elapsed < self._next and not last:
+            return
+        if self.rows and self.rows[-1][0] == tally.batches:
+            return
+        started = time.perf_counter()
+        achieved = achieved_sigma(layout, tally)
+        self._next = elapsed + (time.perf_counter() - started) / self._SHARE
+        rows = self.rows if len(self.rows) < self._MOST else self.rows[1::2]
+        self.rows = (*rows, (tally.batches, self._before + elapsed, achieved))

@@ -82,7 +82,7 @@ def test_unreadable_scenes_in_a_process(content, suffix, tmp_path):
     [
         ([], "VERB"),
         (["ru"], "invalid choice"),
-        (["resume", "x"], "invalid choice"),
+        (["polish", "x"], "invalid choice"),
         (["run"], "SCENE"),
         (["run", "no-such-scene"], "neither a preset nor a file"),
         (["run", "box-room", "--batches", "two"], "expected an integer"),
@@ -136,7 +136,7 @@ def test_out_holds_the_result(run, tmp_path):
         assert status == 0
         assert str(folder) in out
     assert {p.name for p in folder.iterdir()} == {
-        "summary.json", "scene.toml", "result.nc", "figures"
+        "summary.json", "scene.toml", "result.nc", "recipe.txt", "figures"
     }  # fmt: skip
     assert (folder / "figures" / "map-floor.png").exists()
     assert pz.open_result(folder).batches == 2

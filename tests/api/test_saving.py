@@ -11,6 +11,8 @@ import xarray as xr
 import photizon_cl as pz
 from photizon_cl.scene_io import load
 
+FILES = ["recipe.txt", "result.nc", "scene.toml", "summary.json"]
+
 
 def arrays(result):
     """Return every array and number of a result."""
@@ -42,7 +44,7 @@ def test_round_trip_to_the_bit(which, request, tmp_path):
     identical(pz.open_result(str(folder / "result.nc")), result)
     assert json.loads((folder / "summary.json").read_text("utf-8")) == result.summary()
     assert load(folder / "scene.toml") == result.scene
-    assert sorted(p.name for p in folder.iterdir()) == ["result.nc", "scene.toml", "summary.json"]
+    assert sorted(p.name for p in folder.iterdir()) == FILES
 
 
 def test_an_opened_result_goes_on(room, tmp_path):

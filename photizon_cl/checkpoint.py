@@ -1,0 +1,95 @@
+"""Checkpoints: what a run under way needs to go on after it was killed.
+
+``checkpoint.nc`` is a ``result.nc`` without the arrays: scene, goal and exact tallies. It is there
+while a run writes to its directory, from before the first batch on, and goes when the result is
+saved. Whatever the moment of death, the run goes on from a whole number of batches, and since a
+batch depends on nothing but its number, to the same bits.
+"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from photizon_cl.atomic import reason, replacing
+from photizon_cl.errors import ResultError, RunError, show
+from photizon_cl.result_io import CHECKPOINT, read, unfinished, write_state
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+
+    from photizon_cl.result import Result
+
+__all__ = ["Keeper", "latest"]
+
+PERIOD: Final = 5.0
+"""Seconds between checkpoints at least."""
+_SHARE: Final = 0.02
+"""Part of a run's time that checkpoints may take."""
+
+
+class Keeper:
+    """Writes the checkpoints of a run.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing directory.
+    start : Result
+        What the run starts from; written at once, so that its goal is known.
+
+    Raises
+    ------
+    RunError
+        Where a checkpoint cannot be written.
+    """
+
+    def __init__(self, folder: Path, start: Result) -> None:
+        self._file = folder / CHECKPOINT
+        self._cost = 0.0
+        self._write(start)
+
+    def note(self, now: Callable[[], Result], *, last: bool = False) -> None:
+        """Write a checkpoint where one is due or the run ends; `now` gives the result so far."""
+        due = self._written + max(PERIOD, self._cost / _SHARE)
+        if last or time.perf_counter() >= due:
+            self._write(now())
+
+    def _write(self, result: Result) -> None:
+        started = time.perf_counter()
+        try:
+            with replacing(self._file) as temporary:
+                write_state(result, temporary)
+        except OSError as error:
+            raise RunError(
+                f"{show(str(self._file))} cannot be written: {reason(error)}; what the last "
+                "checkpoint holds is kept, and `photizon resume` goes on with it"
+            ) from error
+        self._written = time.perf_counter()
+        self._cost = self._written - started
+
+
+def latest(path: str | os.PathLike[str]) -> Result:
+    """Return what a directory's run has reached: its checkpoint, else its result.
+
+    The result may have no batch yet.
+
+    Raises
+    ------
+    ResultError
+        Where there is neither, or it is damaged.
+    """
+    found = unfinished(path)
+    if found is not None:
+        return found
+    try:
+        return read(path)
+    except ResultError as error:
+        if Path(path).is_dir() and not (Path(path) / "result.nc").exists():
+            raise ResultError(
+                f"{show(str(path))} holds neither a result nor a checkpoint: give the directory "
+                "that `photizon run --out` wrote"
+            ) from None
+        raise error
