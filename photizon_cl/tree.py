@@ -52,8 +52,9 @@ def world_boxes(elements: Sequence[Element], shift: Vec3) -> NDArray[np.float64]
     centres = positions - np.array(shift)
     middle = np.einsum("nij,ni->nj", frames, 0.5 * (low + high))
     half = np.einsum("nij,ni->nj", np.abs(frames), 0.5 * (high - low))
-    # faces count as hit within a few roundings of the positions as given (see `geometry_table`)
-    half += 2.0**-48 * np.max(np.abs(positions), axis=1, keepdims=True)
+    # faces count as hit, or are noted, within some roundings of the positions as given: up to 64
+    # times the bounds in `geometry_table` (kernels/lib/flat.mako)
+    half += 2.0**-42 * np.max(np.abs(positions), axis=1, keepdims=True)
     return np.concatenate((centres + middle - half, centres + middle + half), axis=1)
 
 

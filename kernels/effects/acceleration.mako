@@ -22,7 +22,7 @@ typedef struct {
 } box_ray_t;
 
 FN box_ray_t box_ray(double ox, double oy, double oz, double dx, double dy, double dz, double size) {
-    const double room = (fabs(ox) + fabs(oy) + fabs(oz) + size) * 0x1p-44;
+    const double room = (fabs(ox) + fabs(oy) + fabs(oz) + size) * 0x1p-42;
     box_ray_t r;
 % for n, x in enumerate("xyz"):
     r.i${x} = 1.0 / d${x};

@@ -29,7 +29,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         if (search->careful && ANY(starts)) {
             real nx, ny, nz;
             turn_${cls.suffix}(row, splat(${f"{sign}.0" if w == "x" else "0.0"}), splat(${f"{sign}.0" if w == "y" else "0.0"}), splat(0.0), &nx, &ny, &nz);
-            ok &= ~on | crosses(p, starts, WITH_FACE(code, ${n}L), nx, ny, nz, r.d${w} * ${sign}.0, -off * r.d${w});
+            ok &= ~on | crosses(search, p, starts, WITH_FACE(code, ${n}L), nx, ny, nz, r.d${w} * ${sign}.0, -off * r.d${w});
         }
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);
@@ -50,7 +50,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         if (search->careful && ANY(starts)) {
             real nx, ny, nz;
             turn_${cls.suffix}(row, splat(0.0), splat(0.0), splat(1.0), &nx, &ny, &nz);
-            ok &= ~on | crosses(p, starts, WITH_FACE(code, 4L + i), nx, ny, nz, r.dz, -off * r.dz);
+            ok &= ~on | crosses(search, p, starts, WITH_FACE(code, 4L + i), nx, ny, nz, r.dz, -off * r.dz);
         }
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);

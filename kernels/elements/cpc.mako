@@ -72,7 +72,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         real x = p->ox, y = p->oy, z = p->oz, nx = zero, ny = zero, nz = zero;
         normal_${cls.suffix}(scene, lsplat(code), on_wall, x, y, z, &nx, &ny, &nz);
         // at an edge a ray that goes outwards hits the wall, one that goes inwards leaves it behind
-        starts = crosses(p, on_wall, code, nx, ny, nz, -start.slope, start.slope);
+        starts = crosses(search, p, on_wall, code, nx, ny, nz, -start.slope, start.slope);
     }
     possible &= ~on_wall | starts | GT(start.slope, zero);
     const profile_${cls.suffix} enters = profile_at_${cls.suffix}(row, r, first);

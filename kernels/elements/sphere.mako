@@ -59,12 +59,12 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
             const real k = splat(row[5]);
 % if "contact" in effects:
             const mask goes_minus = GT(b, splat(0.0)), below = LT(c, splat(0.0));
-            const mask on_minus = side_of(p, beside, code, GT(fabs(c), splat(16.0 * row[7])), below, on_surface,
+            const mask on_minus = side_of(search, p, beside, code, GT(fabs(c), splat(16.0 * row[7])), below, on_surface,
                                           16.0 * row[7] * k, fx * k, fy * k, fz * k, -b);
             const mask cross = NE(p->left, lsplat(NO_FACE)) & (on_minus ^ goes_minus);
             on_surface |= beside & (on_minus ^ below);
 % else:
-            const mask cross = crosses(p, on_surface, code, fx * k, fy * k, fz * k, -b, splat(0.0));
+            const mask cross = crosses(search, p, on_surface, code, fx * k, fy * k, fz * k, -b, splat(0.0));
 % endif
             const real chord = 2.0 * b;
             t1 = SEL(on_surface, splat(0.0), t1);

@@ -34,10 +34,6 @@ FN void clear_packet(packet_t *p) {
 % for name in queue_long:
     p->${name} = ${"(luint)(1UL)" if name == "path" else "lsplat(NO_FACE)"};
 % endfor
-% if "contact" in effects:
-    p->noted_before = lsplat(-1L);
-    p->noted = lsplat(-1L);
-% endif
     p->alive = lsplat(0L);
 }
 

@@ -44,25 +44,23 @@ FN lint put_slot(lint *word, int k, lint slot) {
     return slot;
 }
 
-FN void remember(packet_t *p, mask m, long code, mask on_minus) {
+FN void note(search_t *search, mask m, long code, mask on_minus) {
     const lint slot = SLOT_OF(ELEMENT_OF(code), FACE_OF(code)) | (~on_minus & 1L);
-    put_slot(&p->noted_before, SLOT_BITS, put_slot(&p->noted, 0, SEL(m, slot, lsplat(NO_SLOT))));
+    put_slot(&search->noted_before, SLOT_BITS, put_slot(&search->noted, 0, SEL(m, slot, lsplat(NO_SLOT))));
 }
 
 // What was noted becomes what is remembered.
-FN void turn_page(packet_t *p) {
+FN void turn_page(packet_t *p, const hit_t *h) {
     const lint slot = SLOT_OF(p->left >> 34, p->left >> 18 & 0xFFFFL) | (p->left >> 1 & 1L);
-    p->before = (p->noted_before & ~NO_SLOT) | SEL(EQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
-    p->earlier = p->noted;
-    p->noted_before = lsplat(-1L);
-    p->noted = lsplat(-1L);
+    p->before = (h->noted_before & ~NO_SLOT) | SEL(EQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
+    p->earlier = h->noted;
 }
 
 // The lanes of m that are on the - side of a face, which is noted.  below: what the sign of the
 // distance says; sure: it is large enough to be believed whatever else is known; vague: it may be
 // rounding alone.  slack: how far along the normal the last segment must have come to be believed.
-FN mask side_of(const packet_t *p, mask m, long code, mask sure, mask below, mask vague, real slack,
-                real nx, real ny, real nz, real d_n) {
+FN mask side_of(search_t *search, const packet_t *p, mask m, long code, mask sure, mask below, mask vague,
+                real slack, real nx, real ny, real nz, real d_n) {
     const real came = dot3(p->came_x, p->came_y, p->came_z, nx, ny, nz);
     const mask given = NE(p->left, lsplat(NO_FACE))
         & EQ(fabs(p->came_x) + fabs(p->came_y) + fabs(p->came_z), splat(0.0));
@@ -74,17 +72,17 @@ FN mask side_of(const packet_t *p, mask m, long code, mask sure, mask below, mas
     mask was_minus;
     const mask known = remembers(p, m, code, &was_minus);
     is_minus = SEL(known, was_minus, is_minus);
-    // the packet is constant for a search, but for this note to the next one
-    remember((packet_t *)p, m, code, is_minus);
+    note(search, m, code, is_minus);
     return m & is_minus;
 }
 % endif
 
-FN mask crosses(const packet_t *p, mask m, long code, real nx, real ny, real nz, real d_n, real h_d) {
+FN mask crosses(search_t *search, const packet_t *p, mask m, long code, real nx, real ny, real nz,
+                real d_n, real h_d) {
     const mask hit = m & NE(p->left, lsplat(NO_FACE));
 % if "contact" in effects:
     const mask goes_minus = LT(d_n, splat(0.0)), below = LE(h_d, splat(0.0)) ^ goes_minus;
-    return hit & (side_of(p, m, code, lsplat(0L), below, lsplat(-1L), splat(0.0), nx, ny, nz, d_n) ^ goes_minus);
+    return hit & (side_of(search, p, m, code, lsplat(0L), below, lsplat(-1L), splat(0.0), nx, ny, nz, d_n) ^ goes_minus);
 % else:
     return hit & LE(h_d, splat(0.0));
 % endif

@@ -54,7 +54,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     if (search->careful && ANY(beside)) {
 ${normal()}
         const mask goes_minus = LT(dh * sign, splat(0.0)), below = LT(h * sign, splat(0.0));
-        const mask on_minus = side_of(p, beside, code, GT(fabs(h), 16.0 * near), below, on_plane, 32.0 * near,
+        const mask on_minus = side_of(search, p, beside, code, GT(fabs(h), 16.0 * near), below, on_plane, 32.0 * near,
                                       nx, ny, nz, dh * sign);
         starts_here = beside & (on_plane | (on_minus ^ below));
         t = SEL(starts_here, splat(0.0), t);
@@ -65,7 +65,7 @@ ${normal()}
     search->doubtful |= starts_here;
     if (search->careful && ANY(starts_here)) {
 ${normal()}
-        ok &= ~on_plane | crosses(p, starts_here, code, nx, ny, nz, dh * sign, h * dh);
+        ok &= ~on_plane | crosses(search, p, starts_here, code, nx, ny, nz, dh * sign, h * dh);
     }
 % endif
 % if "contact" in effects:

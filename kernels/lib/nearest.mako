@@ -112,6 +112,9 @@ FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
     search_t search;
     for (search.careful = 0; search.careful < 2; search.careful++) {
         search.doubtful = lsplat(0L);
+% if "contact" in effects:
+        search.noted_before = search.noted = lsplat(-1L);
+% endif
         h->t = splat(INFINITY);
         h->code = lsplat(LONG_MAX);
         h->plane = splat(0.0);
@@ -119,5 +122,9 @@ FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
         scan(scene, p, left, &search, h);
         if (!ANY(search.doubtful)) break;
     }
+% if "contact" in effects:
+    h->noted_before = search.noted_before;
+    h->noted = search.noted;
+% endif
     h->found = p->alive & LT(h->t, splat(INFINITY));
 }

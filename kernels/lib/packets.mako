@@ -8,13 +8,12 @@ ${item_struct}
 // left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
 // or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
 // before, earlier: the faces within rounding of where it started last, with the side of each that it
-// was on; noted_before, noted: those of where it starts now (faces.mako).  came: the last segment that
-// had a length.
+// was on (faces.mako).  came: the last segment that had a length.
 typedef struct {
     real ox, oy, oz, dx, dy, dz, w;
     lint left;
 % if "contact" in effects:
-    lint before, earlier, noted_before, noted;
+    lint before, earlier;
     real came_x, came_y, came_z;
 % endif
     word ray_lo, ray_hi, generation;
@@ -37,13 +36,17 @@ typedef struct {
 
 // code: element number << 32 | face << 16 | has a detector << 12 | surface kind << 8 | normal points
 // down its axis << 7 | element class.  plane: the coordinate of a flat face across an axis.  edge: it
-// was met within rounding of its edge.
+// was met within rounding of its edge.  noted, noted_before: the faces within rounding of the ray's
+// start, which it will remember (faces.mako).
 typedef struct {
     real t;
     lint code;
     mask found;
     real plane;
     mask edge;
+% if "contact" in effects:
+    lint noted_before, noted;
+% endif
 } hit_t;
 
 typedef struct {
@@ -73,16 +76,20 @@ FN luint path_of(const packet_t *p) {
 % endif
 }
 
-// One search for the nearest face: whether this is the careful pass, and which lanes need one.
+// One search for the nearest face: whether this is the careful pass, which lanes need one, and what
+// it notes for the next search.
 typedef struct {
     int careful;
     mask doubtful;
+% if "contact" in effects:
+    lint noted_before, noted;
+% endif
 } search_t;
 
 // In faces.mako; the elements' functions call them.
-FN mask crosses(const packet_t *p, mask m, long code, real nx, real ny, real nz, real d_n, real h_d);
+FN mask crosses(search_t *search, const packet_t *p, mask m, long code, real nx, real ny, real nz,
+                real d_n, real h_d);
 % if "contact" in effects:
-FN void turn_page(packet_t *p);
-FN mask side_of(const packet_t *p, mask m, long code, mask sure, mask below, mask vague, real slack,
-                real nx, real ny, real nz, real d_n);
+FN mask side_of(search_t *search, const packet_t *p, mask m, long code, mask sure, mask below, mask vague,
+                real slack, real nx, real ny, real nz, real d_n);
 % endif

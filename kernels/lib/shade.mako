@@ -103,7 +103,7 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     p->came_x = SEL(stayed, p->came_x, p->dx * h->t);
     p->came_y = SEL(stayed, p->came_y, p->dy * h->t);
     p->came_z = SEL(stayed, p->came_z, p->dz * h->t);
-    turn_page(p);
+    turn_page(p, h);
 % endif
 % if "splitting" in effects:
     *child = *p;

@@ -34,7 +34,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
             turn_${cls.suffix}(row, nx, ny, nz, &wx, &wy, &wz);
             const real d_n = dot3(p->dx, p->dy, p->dz, wx, wy, wz);
             // at an edge a ray that goes in hits the face, one that goes out leaves it behind
-            starts${n} = crosses(p, on${n}, WITH_FACE(code, ${n}L), wx, wy, wz, d_n, d_n);
+            starts${n} = crosses(search, p, on${n}, WITH_FACE(code, ${n}L), wx, wy, wz, d_n, d_n);
         }
 % endfor
     }

@@ -66,8 +66,8 @@ __kernel void intersect_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, __global double 
             hit_codes[${lane("at", l)}] = ${lane("code", l)};
 % if "contact" in effects:
             // the search before is over: its notes make room for this one's
-            before[${lane("at", l)}] = ${lane("p.noted_before", l)};
-            earlier[${lane("at", l)}] = ${lane("p.noted", l)};
+            before[${lane("at", l)}] = ${lane("hit.noted_before", l)};
+            earlier[${lane("at", l)}] = ${lane("hit.noted", l)};
 % endif
         }
 % endfor
@@ -97,10 +97,6 @@ __kernel void shade_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
         uint n;
         const lint i = rank_lanes(lsplat(-1L), &n) + j;
         take_rays(&queue, i, LT(i, lsplat((long)item.stack)), &p);
-% if "contact" in effects:
-        p.noted_before = p.before;
-        p.noted = p.earlier;
-% endif
         const lint at = queue_place(&queue, SEL(p.alive, i, lsplat(0L)));
         hit_t hit;
         const lint code = gather_long(hit_codes, at);
@@ -109,6 +105,10 @@ __kernel void shade_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
         hit.found = p.alive & GE(code, lsplat(0L));
         hit.edge = -(code & 1L);
         hit.code = code >> 1;
+% if "contact" in effects:
+        hit.noted_before = p.before;
+        hit.noted = p.earlier;
+% endif
         ending_t end;
         shade(launch, &scene, &p, &hit, &ledger, &end, &child);
 % if records:
