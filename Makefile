@@ -2,6 +2,7 @@
 #
 #   make run      set up, then trace the integrating sphere into out/integrating-sphere
 #   make test     set up with the test tools, then lint, types and the whole suite (what CI does)
+#   make docs     set up likewise, then build the documentation into docs/_build/html
 #   make lint | types | bench | gpu | clean
 #
 # Variables: VENV=.venv   POCL=auto|debian|pypi|none   PYTHON=…   PYTEST_ARGS=…
@@ -17,7 +18,7 @@ SETUP := VENV='$(VENV)' POCL='$(POCL)' PYTHON='$(PYTHON)' sh .ci/setup
 BIN   := $(VENV)/bin
 INPUTS := pyproject.toml .ci/setup
 
-.PHONY: run test lint types bench gpu clean
+.PHONY: run test lint types docs bench gpu clean
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.stamp-run
@@ -32,6 +33,10 @@ lint: $(VENV)/.stamp-test
 
 types: $(VENV)/.stamp-test
 	$(BIN)/mypy
+
+# Warnings are errors; nothing is fetched.
+docs: $(VENV)/.stamp-test
+	$(BIN)/python -m sphinx -W --keep-going -n -b html docs docs/_build/html
 
 bench: $(VENV)/.stamp-run
 	$(BIN)/python -m benchmarks

@@ -12,6 +12,7 @@ import sys
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from photizon_cl import __version__
+from photizon_cl.cli_report import add_arguments as add_report_arguments
 from photizon_cl.errors import PhotizonError
 from photizon_cl.stability import add_arguments as add_stability_arguments
 
@@ -55,6 +56,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_resume(verb("resume", "go on with a run that ended or was killed", _resume))
     recipe = verb("recipe", "print a token that reproduces a run bit for bit", _recipe)
     recipe.add_argument("directory", metavar="DIR", help=_DIRECTORY)
+    report = verb("report", "write a saved result as one self-contained HTML page", _report)
+    add_report_arguments(report)
     _add_show(verb("show", "draw a scene with traced ray paths", _show))
     stability = verb("stability", "measure hard cases against 60-digit arithmetic", _stability)
     add_stability_arguments(stability)
@@ -147,6 +150,12 @@ def _devices(arguments: argparse.Namespace) -> int:
     from photizon_cl.cli_show import print_devices
 
     return print_devices()
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from photizon_cl.cli_report import report
+
+    return report(arguments)
 
 
 def _show(arguments: argparse.Namespace) -> int:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from concurrent.futures import Executor
 
+    import pandas as pd
     from numpy.typing import NDArray
 
     from hostcode.device import DeviceRecord
@@ -91,6 +92,11 @@ class Result:
             f"<photizon_cl.Result {self.scene.name!r}: {self.batches} batches, {self.rays} rays, "
             f"{self.tally_digest[:19]}…>"
         )
+
+    def _repr_html_(self) -> str:
+        from photizon_cl.report.notebook import html
+
+        return html(self)
 
     # -- what was run --------------------------------------------------------------------------
 
@@ -224,6 +230,34 @@ class Result:
             "detectors": {name: d.summary() for name, d in self.detectors.items()},
             "advisories": list(self.advisories),
         }
+
+    def to_dataframe(self, detector: str | None = None) -> pd.DataFrame:
+        """Return the ledger, or a detector's ladder, as a data frame of pandas.
+
+        Maps and the far field have two dimensions and are in ``result.nc``, which xarray reads.
+
+        Parameters
+        ----------
+        detector : str, optional
+            Name of a detector with a ladder; without it, the ledger.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``row``, ``value_W``, ``sigma_W``, ``share``; of a ladder ``generation``,
+            ``value_W``, ``sigma_W``, ``share``, ``count``. A share is a part of the emitted power;
+            a σ is NaN with a single batch.
+
+        Raises
+        ------
+        ArgumentError
+            Where there is no such detector, or it has no ladder.
+        PhotizonError
+            Where pandas is not installed.
+        """
+        from photizon_cl.report.notebook import data_frame
+
+        return data_frame(self, detector)
 
     # -- going on, keeping ---------------------------------------------------------------------
 

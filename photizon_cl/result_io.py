@@ -158,7 +158,7 @@ def save(result: Result, path: str | os.PathLike[str], *, figures: bool = True) 
 
 def _figures_of(folder: Path) -> set[str]:
     """Return the names of the figures of the result that is in a directory."""
-    from photizon_cl.plots import figure_names
+    from photizon_cl.figures import figure_names
 
     if not (folder / _ARRAYS).exists():
         return set()
@@ -166,7 +166,7 @@ def _figures_of(folder: Path) -> set[str]:
 
 
 def _draw(result: Result, folder: Path) -> set[str]:
-    from photizon_cl.plots import draw_all
+    from photizon_cl.figures import draw_all
 
     folder.mkdir(exist_ok=True)
     names = set()

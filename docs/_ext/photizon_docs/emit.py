@@ -1,0 +1,93 @@
+"""A scene written as the shortest text that gives it back: TOML for a file, Python for code."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from photizon_cl.described import Described, parameters_of
+from photizon_cl.scene import SCHEMA, Scene
+
+__all__ = ["as_python", "as_toml", "default_of"]
+
+_WIDTH = 88
+
+
+def default_of(cls: type[Described], name: str) -> Any:
+    """Return the default of a parameter; `dataclasses.MISSING` where it is required."""
+    entry = next(f for f in dataclasses.fields(cls) if f.name == name)  # type: ignore[arg-type]
+    if entry.default_factory is not dataclasses.MISSING:
+        return entry.default_factory()
+    return entry.default
+
+
+def _given(item: Described) -> dict[str, Any]:
+    """Return the parameters that differ from their defaults, objects after numbers."""
+    given = {
+        name: getattr(item, name)
+        for name in parameters_of(type(item))
+        if getattr(item, name) != default_of(type(item), name)
+    }
+    return dict(sorted(given.items(), key=lambda entry: isinstance(entry[1], Described)))
+
+
+def as_toml(scene: Scene) -> str:
+    """Return a scene file without the defaults."""
+    lines = [f'schema = "{SCHEMA}"', f"name = {_toml(scene.name)}"]
+    lines += [f"{key} = {_toml(getattr(scene, key))}" for key in ("title",) if scene.title]
+    if scene.far_field is not None:
+        lines += ["", "[far_field]", *_entries(scene.far_field)]
+    if _given(scene.run):
+        lines += ["", "[run]", *_entries(scene.run)]
+    for label, objects in (("source", scene.source), ("element", scene.element)):
+        for item in objects:
+            lines += ["", f"[[{label}]]", *_entries(item)]
+    return "\n".join(lines) + "\n"
+
+
+def _entries(item: Described) -> list[str]:
+    given = _given(item)
+    head = {"name": given.pop("name")} if "name" in given else {}
+    if item.kind and item.kind != item.label:
+        head["kind"] = item.kind
+    return [f"{key} = {_toml(value)}" for key, value in {**head, **given}.items()]
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, Described):
+        inner = ", ".join(_entries(value))
+        return f"{{ {inner} }}" if inner else "{}"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, tuple):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return repr(value)
+
+
+def as_python(scene: Scene) -> str:
+    """Return the call that builds a scene, with the package imported as ``pz``."""
+    return "scene = " + _call(scene, 0) + "\n"
+
+
+def _call(item: Described, depth: int) -> str:
+    name = f"pz.{type(item).__name__}"
+    arguments = [f"{key}={_python(value, depth + 1)}" for key, value in _given(item).items()]
+    short = f"{name}({', '.join(arguments)})"
+    if "\n" not in short and len(short) + 4 * depth < _WIDTH:
+        return short
+    inner = "    " * (depth + 1)
+    return f"{name}(\n" + "".join(f"{inner}{a},\n" for a in arguments) + "    " * depth + ")"
+
+
+def _python(value: Any, depth: int) -> str:
+    if isinstance(value, Described):
+        return _call(value, depth)
+    if isinstance(value, tuple) and any(isinstance(item, Described) for item in value):
+        inner = "    " * (depth + 1)
+        items = "".join(f"{inner}{_call(item, depth + 1)},\n" for item in value)
+        return f"[\n{items}" + "    " * depth + "]"
+    if isinstance(value, tuple):
+        return "[" + ", ".join(map(repr, value)) + "]"
+    if isinstance(value, str):
+        return f'"{value}"'
+    return repr(value)

@@ -1,0 +1,61 @@
+"""The Python reference: every public name, from ``photizon_cl.__all__``."""
+
+from __future__ import annotations
+
+import inspect
+
+import photizon_cl as pz
+from photizon_cl.described import Described
+
+__all__ = ["python_api"]
+
+_BESIDES = (
+    ("photizon_cl.maps", "DetectorResult"),
+    ("photizon_cl.maps", "IrradianceMap"),
+    ("photizon_cl.maps", "Rung"),
+    ("photizon_cl.maps", "FarFieldResult"),
+    ("photizon_cl.ledger", "Ledger"),
+    ("photizon_cl.ledger", "Estimate"),
+    ("photizon_cl.ledger", "Roulette"),
+    ("photizon_cl.result", "RunInfo"),
+    ("photizon_cl.simulation", "Progress"),
+    ("photizon_cl.probing", "ProbeResult"),
+    ("photizon_cl.pathing", "Polyline"),
+    ("photizon_cl.errors", "Problem"),
+)
+"""Classes that are not public by name but are what public calls give."""
+
+_SEE = (
+    "Ranges and units stand on the pages of the [elements](/parts/elements/index.md), "
+    "[surfaces](/parts/surfaces/index.md), [sources](/parts/sources/index.md) and "
+    "[detectors](/parts/detectors/index.md).\n"
+)
+
+
+def python_api() -> str:
+    """Return the directives that document every public name, by what it is."""
+    verbs, results, scene, errors = [], [], [], []
+    for name in pz.__all__:
+        item = getattr(pz, name)
+        if inspect.isclass(item):
+            if issubclass(item, Exception):
+                errors.append(name)
+            else:
+                (scene if issubclass(item, Described) else results).append(name)
+        elif callable(item):
+            verbs.append(name)
+    parts = ["## What to call\n", *(_function(name) for name in sorted(verbs))]
+    parts += ["## What comes out\n", *(_class("photizon_cl", name) for name in results)]
+    parts += [_class(module, name) for module, name in _BESIDES]
+    parts += ["## What goes in\n", _SEE]
+    parts += [_class("photizon_cl", name) for name in scene]
+    parts += ["## What can go wrong\n", *(_class("photizon_cl", name) for name in errors)]
+    return "\n".join(parts)
+
+
+def _function(name: str) -> str:
+    return f"```{{eval-rst}}\n.. autofunction:: photizon_cl.{name}\n```\n"
+
+
+def _class(module: str, name: str) -> str:
+    return f"```{{eval-rst}}\n.. autoclass:: {module}.{name}\n   :members:\n```\n"

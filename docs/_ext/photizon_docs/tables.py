@@ -1,0 +1,150 @@
+"""Tables and fragments that handwritten pages ask for by name, from the package's declarations."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from typing import TYPE_CHECKING, Any
+
+from photizon_cl.described import Nested, NestedList, parameters_of
+from photizon_cl.effects import EFFECTS
+from photizon_cl.elements import Element
+from photizon_cl.errors import show
+from photizon_cl.frames import AXES, frame
+from photizon_cl.presets import presets
+from photizon_cl.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
+from photizon_cl.scene import Scene
+from photizon_cl.settings import FarField, RunSettings
+from photizon_cl.sources import DirectedSource
+from photizon_docs.emit import default_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from photizon_cl.described import Described
+    from photizon_cl.parameters import Parameter
+
+__all__ = ["FRAGMENTS", "GROUPS", "link", "parameter_table", "table"]
+
+GROUPS: dict[str, Mapping[str, type[Described]]] = {
+    "element": ELEMENTS,
+    "surface": SURFACES,
+    "source": SOURCES,
+    "detector": DETECTORS,
+}
+"""The registry: name of a group → its kinds."""
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """Return a Markdown table; an empty string where there is no row."""
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
+    if not lines:
+        return ""
+    heads = list(head)
+    return "\n".join(["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads), *lines]) + "\n"
+
+
+def link(group: str, kind: str, at: str = "/parts") -> str:
+    """Return a Markdown link to a kind's page."""
+    return f"[`{kind}`]({at}/{group}s/{kind}.md)"
+
+
+def parameter_table(cls: type[Described], leave_out: Iterable[str] = ()) -> str:
+    """Return the table of a class's declared parameters."""
+    without = set(leave_out)
+    rows = [
+        (
+            f"`{name}`",
+            parameter.meaning or _meaning(parameter),
+            _unit(parameter),
+            _accepted(parameter),
+            _default(cls, name),
+        )
+        for name, parameter in parameters_of(cls).items()
+        if name not in without
+    ]
+    return table(("parameter", "meaning", "unit", "accepted", "default"), rows)
+
+
+def _meaning(parameter: Parameter) -> str:
+    if isinstance(parameter, NestedList):
+        return f"the scene's {parameter.base.label}s"
+    if isinstance(parameter, Nested):
+        return f"the `[{parameter.base.label}]` table"
+    return ""
+
+
+def _unit(parameter: Parameter) -> str:
+    return {"deg": "°"}.get(parameter.unit, parameter.unit)
+
+
+def _accepted(parameter: Parameter) -> str:
+    label = parameter.base.label if isinstance(parameter, Nested) else ""
+    if label in GROUPS:
+        return f"[{parameter.expected}](/parts/{label}s/index.md)"
+    return parameter.expected
+
+
+def _default(cls: type[Described], name: str) -> str:
+    value = default_of(cls, name)
+    if value is dataclasses.MISSING:
+        return "**required**"
+    if value is None or value == ():
+        return "none"
+    return "all defaults" if dataclasses.is_dataclass(value) else f"`{show(value)}`"
+
+
+# -- fragments of handwritten pages ---------------------------------------------------------------
+
+
+def _kinds(group: str) -> str:
+    rows = []
+    for kind, cls in GROUPS[group].items():
+        first = (cls.__doc__ or "").strip().splitlines()[0]
+        own = [f"`{p}`" for p in parameters_of(cls) if p not in _SHARED]
+        rows.append((link(group, kind), first.replace("`", ""), " ".join(own)))
+    return table(("kind", "what it is", "parameters of its own"), rows)
+
+
+_SHARED = frozenset({*parameters_of(Element), *parameters_of(DirectedSource)})
+
+
+def _frames() -> str:
+    def name(row: tuple[float, float, float]) -> str:
+        place = next(i for i in range(3) if row[i])
+        return ("+" if row[place] > 0 else "−") + "xyz"[place]
+
+    rows = [(f"`{axis}`", name(frame(axis)[0]), name(frame(axis)[1])) for axis in AXES]
+    return table(("axis (w)", "u", "v"), rows)
+
+
+def _effects() -> str:
+    rows = [(f"`{effect.name}`", effect.what, effect.costs) for effect in EFFECTS.values()]
+    return table(("effect", "what it does", "what it costs"), rows)
+
+
+def _presets() -> str:
+    rows = [(f"[`{p.name}`](/presets.md#{p.name})", p.title) for p in presets()]
+    return table(("preset", "what it is"), rows)
+
+
+def _anchors() -> str:
+    def plain(text: str) -> str:
+        return re.sub(r"([\\`*_<>\[\]|#])", r"\\\1", text[0].upper() + text[1:])
+
+    return "\n".join(f"## {p.name}\n\n{plain(p.title)}.\n\n{plain(p.anchor)}\n" for p in presets())
+
+
+FRAGMENTS: dict[str, Callable[[], Any]] = {
+    "scene": lambda: parameter_table(Scene),
+    "run": lambda: parameter_table(RunSettings),
+    "far-field": lambda: parameter_table(FarField),
+    "source": lambda: parameter_table(DirectedSource),
+    "element": lambda: parameter_table(Element),
+    "frames": _frames,
+    "effects": _effects,
+    "presets": _presets,
+    "preset-anchors": _anchors,
+    **{f"{group}-kinds": lambda group=group: _kinds(group) for group in GROUPS},
+}
+"""What ``<!-- generated: NAME -->`` in a page stands for."""

@@ -1,0 +1,67 @@
+"""The documentation, built once for all tests of it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(Path(__file__).parent), str(ROOT / "docs" / "_ext")]
+
+# The user's width must not enter what commands print.
+os.environ["COLUMNS"] = "80"
+
+
+class Build(NamedTuple):
+    """A copy of the sources, the pages made of them, and what Sphinx said."""
+
+    source: Path
+    pages: Path
+    status: int
+    said: str
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _building(tmp_path_factory):
+    """Start to build a copy of the documentation, beside the tests that do without it."""
+    source = tmp_path_factory.mktemp("docs") / "docs"
+    ignored = shutil.ignore_patterns("_build", "parts", "__pycache__")
+    shutil.copytree(ROOT / "docs", source, ignore=ignored)
+    pages, log = source.parent / "html", source.parent / "log"
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    with log.open("wb") as said:
+        running = subprocess.Popen(
+            [
+                sys.executable,
+                "-m",
+                "sphinx",
+                "-W",
+                "--keep-going",
+                "-n",
+                "-b",
+                "html",
+                source,
+                pages,
+            ],
+            cwd=source.parent,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+            stdout=subprocess.DEVNULL,
+            stderr=said,
+        )
+    yield source, pages, log, running
+    running.kill()
+    running.wait()
+
+
+@pytest.fixture(scope="session")
+def build(_building):
+    """Wait for the documentation to be built."""
+    source, pages, log, running = _building
+    status = running.wait(timeout=300)
+    return Build(source, pages, status, log.read_text("utf-8"))
