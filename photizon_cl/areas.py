@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from photizon_cl.elements import Element
 
 __all__ = ["bin_areas", "disk_areas", "rectangle_areas", "sphere_areas"]
+
+_RIM: Final = 4.0 * 2.0**-53
+"""Rounding of the cosine of a port's rim, 1 − 2f, of numbers about 1."""
 
 
 def bin_areas(element: Element, nx: int, ny: int) -> NDArray[np.float64]:
@@ -58,7 +61,9 @@ def sphere_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArr
     """
     rim = 1 - 2 * Fraction(port_fraction)
     edges = [Fraction(2 * j - ny, ny) for j in range(ny + 1)]
-    heights = [float(max(min(b, rim) - a, Fraction(0))) for a, b in pairwise(edges)]
+    heights = [float(min(b, rim) - a) for a, b in pairwise(edges)]
+    # 0.3 is not quite three tenths in binary: what the rounding of the rim leaves of a zone is none
+    heights = [h if h > _RIM else 0.0 for h in heights]
     rows = np.array(heights) * (2.0 * math.pi / nx * radius * radius)
     return np.repeat(rows[:, np.newaxis], nx, axis=1)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import mpmath as mp
+import numpy as np
 import pytest
 
 from photizon_cl.areas import bin_areas, disk_areas, rectangle_areas, sphere_areas
@@ -74,6 +75,13 @@ def test_sphere_bins_in_the_port_have_no_area():
     assert (areas[-1] == 0.0).all()
     assert areas[:-1] == pytest.approx(4.0 * math.pi / 80, rel=1e-15)
     assert 0.0 < sphere_areas(1.0, 0.04, 4, 20)[-1, 0] < areas[0, 0]
+
+
+@pytest.mark.parametrize("tenths", range(10))
+def test_a_port_of_some_tenths_masks_whole_rows(tenths):
+    areas = sphere_areas(0.1, tenths / 10, 2, 20)
+    assert np.count_nonzero(areas[:, 0]) == 20 - 2 * tenths
+    assert areas[: 20 - 2 * tenths] == pytest.approx(4.0 * math.pi * 0.01 / 40, rel=1e-14)
 
 
 def test_rectangle_bins_are_the_stated_product():

@@ -11,82 +11,25 @@ import pytest
 from oracles.engine import PLAN, trace
 from oracles.walks import LENSES, PLACES, SILVER, TILT, WHITE, U, follow, unit
 
+from benchmarks.leaks import closed_bodies
 from hostcode.probe import NO_FACE
-from photizon_cl.elements import BaffledTube, Biconvex, PlanoConvex, Sphere
+from photizon_cl.elements import BaffledTube, Biconvex
 from photizon_cl.frames import frame
-from photizon_cl.scene import Scene
-from photizon_cl.sources import IsotropicPoint
 from photizon_cl.stability.families_mixed import room
 
 if TYPE_CHECKING:
-    from photizon_cl.elements import Element
     from photizon_cl.surfaces import Surface
 
 
-def closed() -> dict[str, tuple[list[Element], tuple[float, float, float]]]:
-    """Closed bodies, with a point inside each."""
-    where: dict[str, Any] = {"name": "body", "position": (0.3, -0.2, 0.1), "axis": "+z"}
-    tilted: dict[str, Any] = {**where, "tilt_deg": TILT}
-    middle = np.add(where["position"], np.array([0.1, 0.1, 0.02]) @ np.array(frame("+z", TILT)))
-    inside = tuple(middle.tolist())
-    bodies: dict[str, tuple[list[Element], tuple[float, float, float]]] = {}
-    for name, surface in (("mirrors", SILVER), ("matt", WHITE)):
-        bodies |= {
-            f"room of {name}": (
-                list(room((0.1, 0.1, 0.1), (0.4, 0.5, 0.7), surface=surface)),
-                (0.2, 0.3, 0.4),
-            ),
-            f"tilted room of {name}": (
-                list(room((0.0, 0.0, 0.0), (0.3, 1.1, 0.7), (33.3, 0.0), surface)),
-                tuple((np.array([0.1, 0.3, 0.4]) @ np.array(frame("+z", (33.3, 0.0)))).tolist()),
-            ),
-            f"sphere, {name}": ([Sphere(**where, radius=0.7, surface=surface)], (0.3, -0.1, 0.2)),
-            f"biconvex, {name}": (
-                [
-                    Biconvex(
-                        **tilted,
-                        aperture_radius=1.0,
-                        front_radius=1.5,
-                        back_radius=1e6,
-                        surface=surface,
-                    )
-                ],
-                inside,
-            ),
-            f"plano-convex, {name}": (
-                [PlanoConvex(**tilted, aperture_radius=1.0, curvature_radius=1.5, surface=surface)],
-                inside,
-            ),
-        }
-    return bodies
+CAP = 2000
 
 
-def leak(name: str, interactions: int) -> None:
-    elements, inside = closed()[name]
-    source = IsotropicPoint(name="lamp", flux=1.0, position=inside)
-    scene = Scene(name="leak", source=(source,), element=tuple(elements))
-    cap = 2000
-    rays = 500 if interactions <= 10**7 else 65536
-    done = 0
-    seed = 1
-    while done < interactions:
-        found = trace(scene, rays_per_batch=rays, generation_cap=cap, seed=seed, plan=PLAN)
-        done += found.interactions
-        seed += 1
-        assert found.escaped == 0
-        assert found.interactions == rays * cap
-
-
-@pytest.mark.parametrize("name", list(closed()))
+@pytest.mark.parametrize("name", list(closed_bodies()))
 def test_nothing_leaks_out_of_closed_bodies(name: str) -> None:
-    """10^7 interactions over the ten bodies, none escapes; 10^9 with ``-m slow``."""
-    leak(name, 10**6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", list(closed()))
-def test_nothing_leaks_in_a_thousand_million_interactions(name: str) -> None:
-    leak(name, 10**8)
+    """10^7 interactions over the ten bodies; ``python -m benchmarks.leaks`` makes 10^9 in each."""
+    found = trace(closed_bodies()[name], rays_per_batch=500, generation_cap=CAP, seed=1, plan=PLAN)
+    assert found.interactions == 500 * CAP
+    assert found.escaped == 0
 
 
 ROOMS = [

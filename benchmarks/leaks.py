@@ -1,0 +1,99 @@
+"""Whether anything leaks out of closed bodies: ``python -m benchmarks.leaks``.
+
+Traces 10^9 interactions in each body (``--interactions``), 2000 along each ray, and counts what
+escaped, exactly. Exit status 1 where anything did.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from benchmarks.report import Report
+from hostcode.device import choose, open_device, preferred_lanes
+from hostcode.plan import default_plan
+from hostcode.wavefront import Engine
+from photizon_cl.compile import compile_scene
+from photizon_cl.elements import Biconvex, PlanoConvex, Sphere
+from photizon_cl.frames import frame
+from photizon_cl.scene import Scene
+from photizon_cl.settings import RunSettings
+from photizon_cl.sources import IsotropicPoint
+from photizon_cl.stability.families_mixed import room
+from photizon_cl.surfaces import Lambertian, Mirror
+
+if TYPE_CHECKING:
+    from photizon_cl.elements import Element
+
+BOUNCES = 2000
+RAYS = 65536
+TILT = (33.3, -71.7)
+
+
+def closed_bodies() -> dict[str, Scene]:
+    """Return closed bodies that reflect everything, with a source inside each."""
+    where: dict[str, Any] = {"name": "body", "position": (0.3, -0.2, 0.1), "axis": "+z"}
+    tilted: dict[str, Any] = {**where, "tilt_deg": TILT}
+    middle = np.add(where["position"], np.array([0.1, 0.1, 0.02]) @ np.array(frame("+z", TILT)))
+    inside = tuple(middle.tolist())
+    turned = tuple((np.array([0.1, 0.3, 0.4]) @ np.array(frame("+z", (33.3, 0.0)))).tolist())
+    made: dict[str, Scene] = {}
+
+    def add(name: str, elements: list[Element], at: tuple[float, ...]) -> None:
+        source = IsotropicPoint(name="lamp", flux=1.0, position=at)
+        made[name] = Scene(name="leak", source=(source,), element=tuple(elements))
+
+    for kind, surface in (("mirrors", Mirror(1.0)), ("matt", Lambertian(1.0))):
+        flat = list(room((0.1, 0.1, 0.1), (0.4, 0.5, 0.7), surface=surface))
+        add(f"room of {kind}", flat, (0.2, 0.3, 0.4))
+        skew = list(room((0.0, 0.0, 0.0), (0.3, 1.1, 0.7), (33.3, 0.0), surface))
+        add(f"tilted room of {kind}", skew, turned)
+        ball = Sphere(**where, radius=0.7, surface=surface)
+        add(f"sphere, {kind}", [ball], (0.3, -0.1, 0.2))
+        lens = Biconvex(
+            **tilted, aperture_radius=1.0, front_radius=1.5, back_radius=1e6, surface=surface
+        )
+        add(f"biconvex, {kind}", [lens], inside)
+        half = PlanoConvex(**tilted, aperture_radius=1.0, curvature_radius=1.5, surface=surface)
+        add(f"plano-convex, {kind}", [half], inside)
+    return made
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.leaks")
+    parser.add_argument("--device")
+    parser.add_argument("--interactions", type=float, default=1e9, help="in each body")
+    parser.add_argument("--out", type=Path, help="folder for leaks.txt and .json")
+    asked = parser.parse_args(arguments)
+    device = open_device(choose(asked.device))
+    report = Report()
+    report.say(f"closed bodies on {device.record.label}, {BOUNCES} bounces a ray", "")
+    report.say("body                     interactions   escaped (arrivals)   M interactions/s")
+    run = RunSettings(rays_per_batch=RAYS, generation_cap=BOUNCES)
+    rows = []
+    for name, scene in closed_bodies().items():
+        compiled = compile_scene(scene, run)
+        lanes = preferred_lanes(device.record, compiled.tables.spec.effects)
+        engine = Engine(device, compiled.tables, default_plan(device.record, lanes))
+        escaped, first = 0, 0
+        while engine.statistics.interactions < asked.interactions:
+            batches = engine.batches_at_once
+            for batch in engine.run(first, batches):
+                # exact: the weight that left, in units of 2^-95
+                escaped += int(np.abs(batch.cells[compiled.layout.escaped, :3]).sum())
+            first += batches
+        done = engine.statistics.interactions
+        missing = first * RAYS * BOUNCES - done
+        rate = done / engine.statistics.seconds / 1e6
+        rows.append({"body": name, "interactions": done, "escaped": escaped, "missing": missing})
+        report.say(f"{name:24s} {done:13,d}   {escaped + missing:18d}   {rate:16.1f}")
+    if asked.out:
+        report.write(asked.out, "leaks", {"rows": rows, "device": device.record.label})
+    return int(any(row["escaped"] or row["missing"] for row in rows))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
