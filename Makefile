@@ -53,4 +53,5 @@ $(VENV)/.stamp-test: $(INPUTS)
 	@$(SETUP) test
 
 clean:
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis \
+	    docs/_build docs/parts

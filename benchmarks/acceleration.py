@@ -65,10 +65,10 @@ def alternate(engines: list[Engine], rounds: int) -> list[tuple[float, float]]:
     return [(statistics.median(kept[1:]), 0.5 * (max(kept[1:]) - min(kept[1:]))) for kept in times]
 
 
-def measure(
-    device: OpenDevice, family: str, n: int, run: RunSettings, rounds: int, lanes: int | None
-) -> dict[str, Any]:
-    """Return everything about one scene."""
+def prepare(
+    device: OpenDevice, family: str, n: int, run: RunSettings, lanes: int | None
+) -> tuple[dict[str, Any], list[Engine]]:
+    """Return what is known of one scene without timing it, and its engines: tree, perhaps plain."""
     started = time.perf_counter()
     scene = FAMILIES[family](n, n)
     made = time.perf_counter()
@@ -83,15 +83,27 @@ def measure(
     if len(scene.element) <= 1.2 * PLAIN_UP_TO:
         plain = compile_scene(scene, run, accelerate=False)
         engines.append(engine_of(device, plain.tables))
-    times = alternate(engines, rounds)
     size = compiled.tables.geometry.nbytes + compiled.tables.codes.nbytes
-    return {
+    row = {
         "family": family, "n": len(scene.element), "nodes": seen[0], "tests": seen[1],
-        "tree_ns": times[0][0], "tree_spread": times[0][1],
-        "plain_ns": times[1][0] if len(times) > 1 else None,
         "objects_s": made - started, "compile_s": done - made, "build_s": built, "bytes": size,
         "tally_bytes": 32 * compiled.tables.n_cells,
     }  # fmt: skip
+    return row, engines
+
+
+def measure(
+    device: OpenDevice, family: str, sizes: list[int], run: RunSettings, rounds: int, lanes: Any
+) -> list[dict[str, Any]]:
+    """Return everything about scenes of all sizes, timed in turn: a slow spell slows them all."""
+    prepared = [prepare(device, family, n, run, lanes) for n in sizes]
+    times = iter(alternate([engine for _, engines in prepared for engine in engines], rounds))
+    rows = []
+    for row, engines in prepared:
+        median, spread = next(times)
+        plain = next(times)[0] if len(engines) > 1 else None
+        rows.append({**row, "tree_ns": median, "tree_spread": spread, "plain_ns": plain})
+    return rows
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -115,8 +127,8 @@ def main(arguments: list[str] | None = None) -> int:
     )  # fmt: skip
     rows = []
     for family in FAMILIES:
-        for n in (size for size in SIZES if size <= asked.largest):
-            row = measure(device, family, n, run, asked.rounds, asked.lanes)
+        sizes = [size for size in SIZES if size <= asked.largest]
+        for row in measure(device, family, sizes, run, asked.rounds, asked.lanes):
             rows.append(row)
             plain = row["plain_ns"]
             shown = (

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 __version__: Final = "0.1.0"
 
 if TYPE_CHECKING:
+    from photizon_cl import figures as figures
     from photizon_cl.detectors.detector import Detector
     from photizon_cl.elements.baffled_tube import BaffledTube
     from photizon_cl.elements.biconvex import Biconvex
@@ -124,6 +125,7 @@ __all__ = [
     "SceneError",
     "Sphere",
     "__version__",
+    "figures",
     "load",
     "open_result",
     "paths",
@@ -134,6 +136,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "figures":
+        return import_module("photizon_cl.figures")
     try:
         module = _MODULE_OF[name]
     except KeyError:

@@ -14,7 +14,7 @@ from photizon_cl.stopping import Goal, achieved_sigma
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
     from concurrent.futures import Executor
 
     import pandas as pd
@@ -310,7 +310,13 @@ class Result:
             checkpoint=checkpoint,
         )
 
-    def save(self, path: str | os.PathLike[str], *, figures: bool = True) -> None:
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        figures: bool = True,
+        formats: Sequence[str] = ("png",),
+    ) -> None:
         """Write the result into a directory, which is made where it is not there.
 
         ``summary.json``, ``scene.toml`` (as run), ``result.nc`` (every array with its coordinates
@@ -324,15 +330,19 @@ class Result:
             The directory.
         figures : bool, optional
             Whether to draw figures.
+        formats : sequence of str, optional
+            In which formats: some of ``"png"``, ``"svg"`` and ``"pdf"``.
 
         Raises
         ------
+        ArgumentError
+            Where a format is another one.
         ResultError
             Where the directory holds files and no result, or cannot be written.
         """
         from photizon_cl.result_io import save
 
-        save(self, path, figures=figures)
+        save(self, path, figures=figures, formats=formats)
 
 
 def open_result(path: str | os.PathLike[str]) -> Result:

@@ -30,6 +30,8 @@ from photizon_cl.statistics import Accumulator, AccumulatorState
 from photizon_cl.stopping import Goal
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import xarray as xr
 
 __all__ = [
@@ -131,11 +133,21 @@ def prepare_target(path: str | os.PathLike[str], result: Result | None = None) -
     return folder
 
 
-def save(result: Result, path: str | os.PathLike[str], *, figures: bool = True) -> None:
+def save(
+    result: Result,
+    path: str | os.PathLike[str],
+    *,
+    figures: bool = True,
+    formats: Sequence[str] = ("png",),
+) -> None:
     """Write a result, see `Result.save`."""
     from photizon_cl.recipe import Recipe
 
     folder = check_target(path, result)
+    if figures:
+        from photizon_cl.figures import figure_names
+
+        figure_names(result, formats)  # an unknown format is told before anything is written
     try:
         folder.mkdir(parents=True, exist_ok=True)
         stale = _figures_of(folder)
@@ -146,7 +158,8 @@ def save(result: Result, path: str | os.PathLike[str], *, figures: bool = True) 
         (folder / CHECKPOINT).unlink(missing_ok=True)  # the result holds as much and more
         with replacing(folder / "recipe.txt") as temporary:
             temporary.write_text(Recipe.of(result).token + "\n", encoding="ascii")
-        drawn = _draw(result, folder / "figures") if figures else set()
+        (folder / "report.html").unlink(missing_ok=True)  # that of the result before
+        drawn = _draw(result, folder / "figures", formats) if figures else set()
         for name in stale - drawn:
             (folder / "figures" / name).unlink(missing_ok=True)
         with replacing(folder / "summary.json") as temporary:
@@ -158,19 +171,19 @@ def save(result: Result, path: str | os.PathLike[str], *, figures: bool = True) 
 
 def _figures_of(folder: Path) -> set[str]:
     """Return the names of the figures of the result that is in a directory."""
-    from photizon_cl.figures import figure_names
+    from photizon_cl.figures import FORMATS, figure_names
 
     if not (folder / _ARRAYS).exists():
         return set()
-    return set(figure_names(read(folder)))
+    return set(figure_names(read(folder), FORMATS))
 
 
-def _draw(result: Result, folder: Path) -> set[str]:
+def _draw(result: Result, folder: Path, formats: Sequence[str]) -> set[str]:
     from photizon_cl.figures import draw_all
 
     folder.mkdir(exist_ok=True)
     names = set()
-    for name, draw in draw_all(result):
+    for name, draw in draw_all(result, formats):
         with replacing(folder / name) as temporary:
             draw(temporary)
         names.add(name)

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from photizon_cl.pathing import Paths
     from photizon_cl.scene import Scene
 
-__all__ = ["draw_scene"]
+__all__ = ["draw_scene", "draw_section", "legend_handles", "ray_colours"]
 
 _INK: Final = "#222222"
 _QUIET: Final = "#5f5f5f"
@@ -81,7 +81,7 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
     scene = found.scene
     box = bounding_box(scene)
     rays = shown_rays(found, box)
-    colours, bar, label = _colours(rays, by)
+    colours, bar, label = ray_colours(rays, by)
     # A long scene lies on its side, as on an optical bench.
     lying = bool(box.extent[2] > 1.3 * max(box.extent[0], box.extent[1]))
     ratio = max(box.extent[0], box.extent[1]) / box.extent[2] if lying else 1.0
@@ -93,7 +93,7 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
     grid = figure.add_gridspec(2, 2, width_ratios=[1.25, 1.0] if lying else [1.0, 1.0])
     for (h, v), (row, column) in zip(views, places, strict=True):
         axes = figure.add_subplot(grid[row, column])
-        _draw_section(axes, scene, box, rays, colours, h, v)
+        draw_section(axes, scene, box, rays, colours, h, v)
     space = figure.add_subplot(grid[1, 1], projection="3d")
     _draw_space(space, scene, box, rays, colours, lying)
     if bar is not None:
@@ -110,7 +110,8 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
     figure.get_layout_engine().set(rect=(0.0, 0.32 / height, 1.0, 1.0 - 1.0 / height), h_pad=0.09)  # type: ignore[call-arg,union-attr]
     figure.text(0.01, 1.0 - 0.13 / height, title, fontsize=13, weight="bold", color=_INK, va="top")
     legend = figure.legend(
-        handles=_legend(scene), loc="upper left", bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
+        handles=legend_handles(scene), loc="upper left",
+        bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
         ncols=7, fontsize=8.5, frameon=False, borderaxespad=0.0, handlelength=1.6,
         columnspacing=1.6,
     )  # fmt: skip
@@ -139,7 +140,7 @@ def _plain(text: str) -> str:
 # -- colours -------------------------------------------------------------------------------------
 
 
-def _colours(rays: ShownRays, by: str) -> tuple[NDArray[np.float64], ScalarMappable | None, str]:
+def ray_colours(rays: ShownRays, by: str) -> tuple[NDArray[np.float64], ScalarMappable | None, str]:
     """Return a colour for each segment, what the colour bar shows, and its label."""
     norm: Any
     if not len(rays.weight):
@@ -171,7 +172,8 @@ def _colour(element: Element) -> str:
     return _DETECTOR if element.detector is not None else _COLOUR[element.surface.kind]
 
 
-def _legend(scene: Scene) -> list[Line2D]:
+def legend_handles(scene: Scene) -> list[Line2D]:
+    """Return what a legend of the scene shows, each kind of surface once."""
     seen: dict[str, Line2D] = {}
     for element in scene.element:
         label = "detector" if element.detector is not None else _LABEL[element.surface.kind]
@@ -192,7 +194,7 @@ def _legend(scene: Scene) -> list[Line2D]:
 # -- sections ------------------------------------------------------------------------------------
 
 
-def _draw_section(
+def draw_section(
     axes: Axes,
     scene: Scene,
     box: Box,
@@ -290,13 +292,15 @@ def _draw_space(
             axes.add_collection3d(
                 Poly3DCollection(
                     [p * scale for p in polygons], facecolor=colour, alpha=0.07, linewidth=0.0
-                )
+                ),
+                autolim=False,  # the limits are set below; matplotlib's would read past polygons
             )
         lines = [line * scale for line in edges(element)]
-        axes.add_collection3d(Line3DCollection(lines, colors=colour, linewidths=0.7, alpha=0.55))
+        rims = Line3DCollection(lines, colors=colour, linewidths=0.7, alpha=0.55)
+        axes.add_collection3d(rims, autolim=False)
     ends = np.stack([rays.start, rays.end], axis=1) * scale
     if len(ends):
-        axes.add_collection3d(Line3DCollection(ends, colors=colours, linewidths=0.6))
+        axes.add_collection3d(Line3DCollection(ends, colors=colours, linewidths=0.6), autolim=False)
     for source in scene.source:
         for outline in source_outline(source):
             style = "-" if len(outline) > 1 else "o"

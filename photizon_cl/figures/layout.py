@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm
 
 from photizon_cl.figures.style import SMALL, sheet, styled
-from photizon_cl.scene_plot import _colours, _draw_section, _legend
+from photizon_cl.scene_plot import draw_section, legend_handles, ray_colours
 from photizon_cl.scene_view import ShownRays, bounding_box, shown_rays
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def draw_layout(result: Result, paths: Paths | None = None) -> Figure:
         rays = shown_rays(paths, box)
         run = paths.scene.run
         said = f"{run.rays_per_batch} rays of seed {run.seed}, projected on each section"
-    colours, bar, label = _colours(rays, "generation")
+    colours, bar, label = ray_colours(rays, "generation")
     # A long scene lies on its side, as on an optical bench.
     lying = bool(box.extent[2] > 1.3 * max(box.extent[0], box.extent[1]))
     n, m = len(scene.element), len(scene.source)
@@ -63,10 +63,10 @@ def draw_layout(result: Result, paths: Paths | None = None) -> Figure:
     views = [(2, 0), (2, 1), (0, 1)] if lying else [(0, 2), (1, 2), (0, 1)]
     for (h, v), (row, column) in zip(views, [(0, 0), (1, 0), (0, 1)], strict=True):
         axes = page.figure.add_subplot(grid[row, column])
-        _draw_section(axes, scene, box, rays, colours, h, v)
+        draw_section(axes, scene, box, rays, colours, h, v)
     rest = page.figure.add_subplot(grid[1, 1])
     rest.set_axis_off()
-    rest.legend(handles=_legend(scene), loc="upper left", fontsize=SMALL, frameon=False)
+    rest.legend(handles=legend_handles(scene), loc="upper left", fontsize=SMALL, frameon=False)
     if bar is not None:
         made = page.figure.colorbar(bar, ax=rest, location="bottom", shrink=0.9, aspect=30)
         made.set_label(label, fontsize=SMALL)

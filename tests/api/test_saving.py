@@ -85,7 +85,7 @@ def test_awkward_names(tmp_path):
     result = pz.trace(tables, batches=2, rays_per_batch=512)
     result.save(tmp_path)
     identical(pz.open_result(tmp_path), result)
-    assert len(list((tmp_path / "figures").iterdir())) == 6
+    assert len(list((tmp_path / "figures").iterdir())) == 13
 
 
 def test_figures_are_drawn_and_old_ones_go(room, sphere, tmp_path):
@@ -93,14 +93,29 @@ def test_figures_are_drawn_and_old_ones_go(room, sphere, tmp_path):
     mine = tmp_path / "figures" / "mine.png"
     mine.write_text("kept")
     drawn = {p.name for p in (tmp_path / "figures").iterdir()}
-    assert drawn == {"ledger.png", "map-floor.png", "ladder-floor.png", "mine.png"}
+    both = {"layout.png", "ledger.png", "convergence.png"}
+    floor = {"map-floor.png", "sigma-floor.png", "ladder-floor.png"}
+    assert drawn == both | floor | {"mine.png"}
     assert (tmp_path / "figures" / "map-floor.png").read_bytes().startswith(b"\x89PNG")
     (tmp_path / "notes.txt").write_text("kept")
     sphere.save(tmp_path)
     drawn = {p.name for p in (tmp_path / "figures").iterdir()}
-    assert drawn == {"ledger.png", "far-field.png", "mine.png"}
+    assert drawn == both | {"far-field.png", "far-field-cuts.png", "mine.png"}
     assert (tmp_path / "notes.txt").exists()
     identical(pz.open_result(tmp_path), sphere)
+
+
+def test_figures_come_in_the_formats_asked_for(sphere, tmp_path):
+    (tmp_path / "report.html").write_text("of the result before")
+    sphere.save(tmp_path, formats=("svg", "pdf"))
+    suffixes = sorted({p.suffix for p in (tmp_path / "figures").iterdir()})
+    assert suffixes == [".pdf", ".svg"]
+    assert not (tmp_path / "report.html").exists()
+    sphere.save(tmp_path)
+    assert {p.suffix for p in (tmp_path / "figures").iterdir()} == {".png"}
+    with pytest.raises(pz.ArgumentError, match="formats"):
+        sphere.save(tmp_path / "no", formats=("bmp",))
+    assert not (tmp_path / "no").exists()
 
 
 def test_other_peoples_files_are_left_alone(room, tmp_path):

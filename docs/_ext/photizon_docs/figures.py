@@ -5,12 +5,8 @@ from __future__ import annotations
 import contextlib
 import io
 import tempfile
-from functools import partialmethod
 from pathlib import Path
 from typing import TYPE_CHECKING
-from unittest.mock import patch
-
-from mpl_toolkits.mplot3d import Axes3D
 
 from photizon_cl.cli import main
 from photizon_docs.emit import as_toml
@@ -25,12 +21,8 @@ RAYS = 24
 
 def draw(scene: Scene, path: Path) -> None:
     """Draw a scene into a PNG file."""
-    # matplotlib scales axes to polygons of unequal length by memory that it never set, which can
-    # overflow; the limits are set by hand anyway
-    unscaled = partialmethod(Axes3D.add_collection3d, autolim=False)
     with (
         tempfile.TemporaryDirectory() as folder,
-        patch.object(Axes3D, "add_collection3d", unscaled),
         contextlib.redirect_stdout(io.StringIO()) as printed,
     ):
         file = Path(folder) / "scene.toml"
