@@ -63,6 +63,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "Result": "photizon_cl.result",
     "Paths": "photizon_cl.pathing",
     "Recipe": "photizon_cl.recipe",
+    "figures": "photizon_cl.figures",
     # what goes in
     "Scene": "photizon_cl.scene",
     "RunSettings": "photizon_cl.settings",
@@ -92,7 +93,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "RecipeError": "photizon_cl.errors",
     "RunError": "photizon_cl.errors",
 }
-"""Public name → the module that defines it; a name is public by standing here."""
+"""Public name → the module that defines it, or that it is; a name is public by standing here."""
 
 __all__ = [
     "Absorber",
@@ -136,13 +137,12 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name == "figures":
-        return import_module("photizon_cl.figures")
     try:
         module = _MODULE_OF[name]
     except KeyError:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}") from None
-    value = getattr(import_module(module), name)
+    found = import_module(module)
+    value = found if module == f"{__name__}.{name}" else getattr(found, name)
     globals()[name] = value  # found once; the next look-up does not come here
     return value
 

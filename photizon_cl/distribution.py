@@ -16,11 +16,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol
 
 from hostcode import capability
-from hostcode.device import DeviceRecord, OpenDevice, choose, open_device, preferred_lanes
+from hostcode.device import (
+    ENVIRONMENT_VARIABLE,
+    DeviceRecord,
+    OpenDevice,
+    choose,
+    open_device,
+    preferred_lanes,
+)
 from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError
 from hostcode.plan import ExecutionPlan, default_plan
 from hostcode.wavefront import Engine
-from photizon_cl.errors import ArgumentError, PhotizonError, RunError
+from photizon_cl.errors import ArgumentError, PhotizonError, RunError, show
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -153,13 +160,19 @@ def open_chosen(device: DeviceRecord | str | None) -> OpenDevice:
             "survive that: start workers with multiprocessing.get_context('spawn') "
             "(ProcessPoolExecutor(mp_context=…))"
         )
+    if not (device is None or isinstance(device, DeviceRecord | str)):
+        raise ArgumentError(
+            f"device: found {show(device)}, expected a number, type or part of a name (see "
+            "`photizon devices`), or a DeviceRecord"
+        )
     try:
         record = device if isinstance(device, DeviceRecord) else choose(device)
         key = (record, threading.get_ident())
         if key not in _opened:
             _opened[key] = open_device(record)
     except DeviceError as error:
-        if device is not None and capability.survey().records:
+        asked = device is not None or os.environ.get(ENVIRONMENT_VARIABLE)
+        if asked and capability.survey().records:
             raise ArgumentError(f"device: {error}") from error
         raise RunError(str(error)) from error
     return _opened[key]
@@ -295,6 +308,11 @@ class Executed:
         device: DeviceRecord | str | None,
         plan: ExecutionPlan | None,
     ) -> None:
+        if not callable(getattr(executor, "submit", None)):
+            raise ArgumentError(
+                f"executor: found {show(executor)}, expected something with the interface of "
+                "concurrent.futures.Executor (it has no method submit)"
+            )
         self.executor, self.tables, self.device, self.plan = executor, tables, device, plan
         self.key = f"{key} {device} {plan}"
         workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1

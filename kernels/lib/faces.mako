@@ -14,9 +14,9 @@
 // search does not matter, and in the lowest place, by `turn_page`, the face that the ray left.
 #define SLOT_BITS 16
 #define NO_SLOT 0xFFFFL
-// Element and face in 15 bits, over whether it is on the + side: two that are within rounding of one
-// place share them only if 2048 elements or 16 faces lie between them.
-#define SLOT_OF(element, face) ((((element) << 4) + (face) & 0x7FFFL) << 1)
+// Element and face in 15 bits, over whether it is on the + side.  The first 2048 elements have numbers
+// of their own; the multiple keeps apart those that a scene made of rows of 2^n would bring together.
+#define SLOT_OF(element, face) (((((element) + ((element) >> 11) * 1109L) << 4) + (face) & 0x7FFFL) << 1)
 
 // The lanes of m that are known to be on one side of a face; on_minus: whether that is the - side.
 FN mask remembers(const packet_t *p, mask m, long code, mask *on_minus) {

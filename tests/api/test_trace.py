@@ -251,6 +251,8 @@ def test_progress_is_told():
         ({"precision": "fp32"}, 'precision: found "fp32", expected one of "fp64"'),
         ({"device": "no such device"}, "device: no device matches"),
         ({"device": 99}, "device: no device matches"),
+        ({"device": 3.7}, "device: found 3.7, expected a number, type or part of a name"),
+        ({"executor": 5}, "executor: found 5"),
     ],
 )
 def test_bad_arguments(arguments, message):
@@ -258,6 +260,12 @@ def test_bad_arguments(arguments, message):
         pz.trace("box-room", **arguments)
     assert message in str(caught.value)
     assert caught.value.exit_code == 2
+
+
+def test_a_device_named_by_the_environment_is_an_argument(monkeypatch):
+    monkeypatch.setenv("PHOTIZON_DEVICE", "no such device")
+    with pytest.raises(pz.ArgumentError, match="no device matches"):
+        pz.trace("box-room", batches=1)
 
 
 def test_fewer_rays_than_sources():

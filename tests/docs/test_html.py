@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -42,7 +43,8 @@ def test_every_public_name_is_in_the_reference(build):
     text = (build.pages / "python.html").read_text("utf-8")
     for name in pz.__all__:
         if name != "__version__":
-            assert f'id="photizon_cl.{name}"' in text, name
+            kind = "module-" if inspect.ismodule(getattr(pz, name)) else ""
+            assert f'id="{kind}photizon_cl.{name}"' in text, name
 
 
 def test_every_verb_and_option_is_in_the_reference(capsys):

@@ -233,3 +233,18 @@ def test_what_a_corner_does_to_a_ray_depends_on_no_schedule() -> None:
 
 def test_the_gate_of_the_mutants_holds() -> None:
     gates.corners_hold()
+
+
+def test_walls_that_stand_far_apart_in_the_file() -> None:
+    """What a ray remembers of a face has 15 bits: walls of one corner must not share them."""
+    r = np.random.default_rng(5)
+    low, high = np.array([-1.0, -0.8, -0.9]), np.array([0.7, 1.1, 0.6])
+    chamber = walls("plates that cross", low, high, (33.3, 0.0), SILVER, r)
+    size = float(np.linalg.norm(high - low))
+    away = Rectangle(
+        name="away", position=(1.7 * size, 0.0, 0.0), axis="+x", half_width=0.01 * size,
+        half_height=0.01 * size, surface=SILVER,
+    )  # fmt: skip
+    apart = [e for wall in chamber.elements for e in (wall, *[away] * 2047)]
+    starts, along = rays_at_edges(r, chamber, RAYS)
+    assert leaks(replace(chamber, elements=named(apart)), starts, along) == (0, 0, 0)

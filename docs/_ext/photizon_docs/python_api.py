@@ -18,7 +18,7 @@ _BESIDES = (
     ("photizon_cl.ledger", "Estimate"),
     ("photizon_cl.ledger", "Roulette"),
     ("photizon_cl.result", "RunInfo"),
-    ("photizon_cl.simulation", "Progress"),
+    ("photizon_cl.progress", "Progress"),
     ("photizon_cl.probing", "ProbeResult"),
     ("photizon_cl.pathing", "Polyline"),
     ("photizon_cl.errors", "Problem"),
@@ -34,7 +34,7 @@ _SEE = (
 
 def python_api() -> str:
     """Return the directives that document every public name, by what it is."""
-    verbs, results, scene, errors = [], [], [], []
+    verbs, results, scene, errors, modules = [], [], [], [], []
     for name in pz.__all__:
         item = getattr(pz, name)
         if inspect.isclass(item):
@@ -42,11 +42,19 @@ def python_api() -> str:
                 errors.append(name)
             else:
                 (scene if issubclass(item, Described) else results).append(name)
+        elif inspect.ismodule(item):
+            modules.append(item)
         elif callable(item):
             verbs.append(name)
     parts = ["## What to call\n", *(_function(name) for name in sorted(verbs))]
     parts += ["## What comes out\n", *(_class("photizon_cl", name) for name in results)]
     parts += [_class(module, name) for module, name in _BESIDES]
+    for module in modules:
+        short = module.__name__.removeprefix("photizon_cl.")
+        parts += [f"## pz.{short}\n", f"{inspect.getdoc(module).splitlines()[0]}\n"]
+        parts += [f"```{{eval-rst}}\n.. py:module:: {module.__name__}\n```\n"]
+        called = [n for n in module.__all__ if inspect.isfunction(getattr(module, n))]
+        parts += [_function(f"{short}.{n}") for n in called]
     parts += ["## What goes in\n", _SEE]
     parts += [_class("photizon_cl", name) for name in scene]
     parts += ["## What can go wrong\n", *(_class("photizon_cl", name) for name in errors)]
