@@ -23,7 +23,7 @@ __all__ = ["INSTALL_HINT", "DeviceRecord", "Survey", "survey"]
 
 INSTALL_HINT: Final = (
     "install a CPU device with `sudo apt install pocl-opencl-icd` (Debian, Ubuntu) "
-    "or `pip install 'photizon-cl[pocl]'` (no root needed), or a GPU vendor's OpenCL driver"
+    "or `pip install 'pyopencl[pocl]'` (no root needed), or a GPU vendor's OpenCL driver"
 )
 """The one line that tells a person without a usable device what to do."""
 

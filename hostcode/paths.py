@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from hostcode.probe import apart
 from hostcode.program import build
 from hostcode.queue import Queue
 from hostcode.structs import LAUNCH, numpy_dtype
@@ -112,7 +113,7 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
         kernel.set_args(
             launch_buffer, *scene, tally, *queue.fields, parents, *segments, np.uint64(first)
         )
-        cl.enqueue_nd_range_kernel(device.queue, kernel, (m,), None)
+        cl.enqueue_nd_range_kernel(device.queue, kernel, *apart(device, m))
         counts = np.empty((m, 2), np.int64)
         cl.enqueue_copy(device.queue, counts, counts_buffer)
         reals = np.empty((m, max_segments, REALS))

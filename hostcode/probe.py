@@ -23,6 +23,7 @@ __all__ = [
     "LEFT_PLUS",
     "NO_FACE",
     "Followed",
+    "apart",
     "element_of",
     "face_of",
     "follow_rays",
@@ -37,6 +38,17 @@ LEFT_PLUS: Final = 2
 
 _RAYS_AT_ONCE: Final = 1 << 20
 _STATE: Final = 15
+
+
+def apart(device: OpenDevice, items: int) -> tuple[tuple[int], tuple[int]]:
+    """Return the global and local size for work-items that have much memory of their own.
+
+    Left to itself a CPU's runtime makes groups of thousands, whose items' private memory (the
+    search's stack, above all) then stands on one thread's stack together and overflows it. Items
+    beyond the number asked for must find nothing to do.
+    """
+    local = 64 if device.record.type == "gpu" else 1
+    return (math.ceil(items / local) * local,), (local,)
 
 
 def element_of(left: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -134,7 +146,7 @@ def probe_faces(
         hits_buffer = cl.Buffer(device.context, flags.WRITE_ONLY, out.nbytes)
         faces_buffer = cl.Buffer(device.context, flags.WRITE_ONLY, which.nbytes)
         kernel.set_args(*common, rays_buffer, left_buffer, hits_buffer, faces_buffer, np.uint64(m))
-        cl.enqueue_nd_range_kernel(device.queue, kernel, (math.ceil(m / lanes),), None)
+        cl.enqueue_nd_range_kernel(device.queue, kernel, *apart(device, math.ceil(m / lanes)))
         cl.enqueue_copy(device.queue, out, hits_buffer)
         cl.enqueue_copy(device.queue, which, faces_buffer)
         hits[start : start + m], faces[start : start + m] = out, which
@@ -218,7 +230,7 @@ def follow_rays(
         np.uint64(steps),
         np.uint64(reflected),
     )
-    cl.enqueue_nd_range_kernel(device.queue, kernel, (n,), None)
+    cl.enqueue_nd_range_kernel(device.queue, kernel, *apart(device, n))
     cl.enqueue_copy(device.queue, states, states_buffer)
     cl.enqueue_copy(device.queue, faces, faces_buffer)
     return Followed(

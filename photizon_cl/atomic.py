@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Final
@@ -11,10 +12,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["TEMPORARY", "reason", "replacing", "sweep"]
+__all__ = ["TEMPORARY", "Lock", "reason", "replacing", "sweep"]
 
 TEMPORARY: Final = ".photizon-"
 """How the names of files that are being written begin."""
+_WRITTEN: Final = re.compile(re.escape(TEMPORARY) + r"[a-z0-9_]{8}(\.\w+)?")
 
 
 @contextmanager
@@ -39,8 +41,45 @@ def replacing(target: Path) -> Iterator[Path]:
 def sweep(folder: Path) -> None:
     """Remove what a killed process left half written in a directory."""
     with suppress(OSError):
-        for left in folder.glob(f"{TEMPORARY}*"):
-            left.unlink(missing_ok=True)
+        for left in folder.iterdir():
+            if _WRITTEN.fullmatch(left.name) and left.is_file():
+                left.unlink(missing_ok=True)
+
+
+class Lock:
+    """Holds a directory for one process that writes to it; freed when the process dies.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing directory.
+
+    Raises
+    ------
+    BlockingIOError
+        Where another process holds it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / f"{TEMPORARY}lock"
+        self._file = open(self._path, "wb")  # noqa: SIM115  (open as long as the lock is held)
+        try:
+            import fcntl
+
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except ImportError:  # no such locks on this system
+            pass
+        except BlockingIOError:
+            self._file.close()
+            raise
+        except OSError:  # a file system without locks
+            pass
+
+    def free(self) -> None:
+        """Let others have the directory."""
+        if not self._file.closed:
+            self._path.unlink(missing_ok=True)
+            self._file.close()
 
 
 def reason(error: Exception) -> str:

@@ -8,23 +8,23 @@ batch depends on nothing but its number, to the same bits.
 
 from __future__ import annotations
 
+import os
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import reason, replacing
-from photizon_cl.errors import ResultError, RunError, show
+from photizon_cl.atomic import Lock, reason, replacing, sweep
+from photizon_cl.errors import ArgumentError, ResultError, RunError, show
 from photizon_cl.result_io import CHECKPOINT, read, unfinished, write_state
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable
 
     from photizon_cl.result import Result
 
 __all__ = ["Keeper", "latest"]
 
-PERIOD: Final = 5.0
+PERIOD: Final = 2.0
 """Seconds between checkpoints at least."""
 _SHARE: Final = 0.02
 """Part of a run's time that checkpoints may take."""
@@ -48,8 +48,29 @@ class Keeper:
 
     def __init__(self, folder: Path, start: Result) -> None:
         self._file = folder / CHECKPOINT
+        import h5netcdf  # noqa: F401  (what is imported once is no part of a checkpoint's cost)
+        import xarray  # noqa: F401
+
+        try:
+            self._lock = Lock(folder)
+        except BlockingIOError:
+            raise ResultError(
+                f"{show(str(folder))} is being written to by another run: wait for it, or give "
+                "another directory"
+            ) from None
+        except OSError as error:
+            raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from None
+        sweep(folder)
         self._cost = 0.0
-        self._write(start)
+        try:
+            self._write(start)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Let other runs have the directory."""
+        self._lock.free()
 
     def note(self, now: Callable[[], Result], *, last: bool = False) -> None:
         """Write a checkpoint where one is due or the run ends; `now` gives the result so far."""
@@ -64,8 +85,8 @@ class Keeper:
                 write_state(result, temporary)
         except OSError as error:
             raise RunError(
-                f"{show(str(self._file))} cannot be written: {reason(error)}; what the last "
-                "checkpoint holds is kept, and `photizon resume` goes on with it"
+                f"{show(str(self._file))} cannot be written: {reason(error)}; the "
+                "checkpoint before it, if there is one, is kept for `photizon resume`"
             ) from error
         self._written = time.perf_counter()
         self._cost = self._written - started
@@ -81,11 +102,23 @@ def latest(path: str | os.PathLike[str]) -> Result:
     ResultError
         Where there is neither, or it is damaged.
     """
-    found = unfinished(path)
+    folder = Path(os.fsdecode(path))
+    if not str(path):
+        raise ArgumentError("DIR: found nothing, expected a directory")
+    if folder.is_file():
+        raise ResultError(
+            f"{show(str(path))} is a file: give the directory that `photizon run --out` wrote"
+        )
+    found = unfinished(folder)
     if found is not None:
-        return found
+        if not (folder / "result.nc").is_file():
+            return found
+        whole = read(folder)
+        # the same run begun anew over its own result: nothing that is there is lost
+        same = whole.scene.digest() == found.scene.digest()
+        return whole if same and whole.batches > found.batches else found
     try:
-        return read(path)
+        return read(folder)
     except ResultError as error:
         if Path(path).is_dir() and not (Path(path) / "result.nc").exists():
             raise ResultError(

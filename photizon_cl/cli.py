@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from photizon_cl import __version__
 from photizon_cl.cli_report import add_arguments as add_report_arguments
-from photizon_cl.errors import PhotizonError
+from photizon_cl.errors import ArgumentError, PhotizonError
 from photizon_cl.stability import add_arguments as add_stability_arguments
 
 if TYPE_CHECKING:
@@ -85,20 +85,22 @@ def _add_run(run: argparse.ArgumentParser) -> None:
 
 def _add_resume(resume: argparse.ArgumentParser) -> None:
     resume.add_argument("directory", metavar="DIR", help=_DIRECTORY)
-    _add_goal(resume, "run until there are N batches in all")
+    _add_goal(resume, "run until there are N batches in all", "more ")
     resume.add_argument("--device", metavar="D", help=_DEVICE)
     resume.add_argument(
         "--json", action="store_true", help="print the summary as JSON, nothing else"
     )
 
 
-def _add_goal(parser: argparse.ArgumentParser, batches: str) -> None:
+def _add_goal(parser: argparse.ArgumentParser, batches: str, more: str = "") -> None:
     goal = parser.add_mutually_exclusive_group()
     goal.add_argument("--batches", type=_integer, metavar="N", help=batches)
     goal.add_argument(
         "--target", type=_number, metavar="S", help="stop at a median relative σ of S, in (0, 1]"
     )
-    parser.add_argument("--max-seconds", type=_number, metavar="T", help="stop after T seconds")
+    parser.add_argument(
+        "--max-seconds", type=_number, metavar="T", help=f"stop after T {more}seconds"
+    )
 
 
 def _add_show(show: argparse.ArgumentParser) -> None:
@@ -185,6 +187,8 @@ def _resume(arguments: argparse.Namespace) -> int:
 def _recipe(arguments: argparse.Namespace) -> int:
     from photizon_cl.result_io import open_result
 
+    if not arguments.directory:
+        raise ArgumentError("DIR: found nothing, expected a directory")
     print(open_result(arguments.directory).recipe)
     return 0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from rich.text import Text
 
@@ -209,6 +209,10 @@ def _time(seconds: float) -> str:
     return f"{minutes}:{rest:02d} min" if minutes < 100 else f"{minutes / 60:.1f} h"
 
 
+_STOPPED: Final = {"interrupt": "by Ctrl-C", "time": "by max_seconds"}
+"""What ends a run before its goal."""
+
+
 # -- tables --------------------------------------------------------------------------------------
 
 
@@ -236,6 +240,13 @@ def print_result(result: Result, out: Console) -> None:
     out.print()
     text = f"median relative σ {sigma}, target {result.target_sigma:.3g} {verdict}{lit}"
     out.print(paragraph(text, ""), soft_wrap=True)
+    far = None if result.far_field is None else result.far_field.median_sigma
+    if far is not None:
+        text = f"median relative σ {far:.3g} over the lit bins of the far field"
+        out.print(paragraph(text, ""), soft_wrap=True)
+    if result.info.stopped in _STOPPED:
+        text = f"stopped {_STOPPED[result.info.stopped]} after {result.batches} batches"
+        out.print(paragraph(text, ""), soft_wrap=True)
     out.print(result.tally_digest, soft_wrap=True)
     for text in result.advisories:
         out.print(paragraph(f"advisory: {text}", ""), soft_wrap=True)
@@ -247,8 +258,9 @@ def _print_ledger(result: Result, out: Console) -> None:
     rows = table(("ledger", "left"), ("W", "right"), ("± σ", "right"), ("of emitted", "right"))
 
     def add(name: str, row: Estimate, style: str = "") -> None:
-        part = f"{100.0 * row.value / emitted:.4f} %"
-        rows.add_row(Text(name, style), *with_error(row.value, row.sigma), part)
+        part = 100.0 * row.value / emitted
+        shown = f"{part:.1e} %" if 0.0 < abs(part) < 5e-5 else f"{part:.4f} %"
+        rows.add_row(Text(name, style), *with_error(row.value, row.sigma), shown)
 
     add("emitted", ledger.emitted, "bold")
     for name, row in ledger.absorbed.items():

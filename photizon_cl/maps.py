@@ -225,6 +225,14 @@ class FarFieldResult:
         """Bins with fewer than 10 rays, shape (n_mu, n_phi)."""
         return self.count < LIT_COUNT
 
+    @property
+    def median_sigma(self) -> float | None:
+        """Median relative standard error of the lit bins; None with a single batch or none lit."""
+        lit = ~self.hatched
+        if not lit.any() or np.isnan(self.sigma).all():
+            return None
+        return float(np.median(self.sigma[lit] / self.intensity[lit]))
+
     @classmethod
     def of(cls, compiled: CompiledScene, tally: Accumulator, settings: FarField) -> FarFieldResult:
         """Return the far field after the batches of `tally`."""

@@ -11,15 +11,14 @@ from __future__ import annotations
 import base64
 import binascii
 import dataclasses
-import hashlib
 import json
+import re
 import zlib
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from hostcode.assets import kernels_dir
 from photizon_cl import __version__
+from photizon_cl.engine import engine_digest
 from photizon_cl.errors import RecipeError, RunError, SceneError, show
 from photizon_cl.presets import preset_names
 from photizon_cl.scene_io import load
@@ -35,22 +34,12 @@ if TYPE_CHECKING:
     from photizon_cl.result import Result
     from photizon_cl.scene import Scene
 
-__all__ = ["Recipe", "engine_digest"]
+__all__ = ["Recipe"]
 
 _PREFIX: Final = "pz1-"
 _LARGEST: Final = 2**26  # bytes that a token may unpack to
 _BITS: Final = ("seed", "rays_per_batch", "generation_cap", "roulette_floor")
 """Settings that the bits of a batch depend on."""
-
-
-@cache
-def engine_digest() -> str:
-    """Return a short digest of the kernels' text, on which every bit depends."""
-    total = hashlib.sha256()
-    folder = kernels_dir()
-    for path in sorted(folder.rglob("*.mako"), key=lambda p: p.relative_to(folder).as_posix()):
-        total.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes())
-    return total.hexdigest()[:16]
 
 
 @dataclass(frozen=True)
@@ -81,7 +70,11 @@ class Recipe:
     @classmethod
     def of(cls, result: Result) -> Recipe:
         """Return the recipe of a result."""
-        return cls(result.scene, result.batches, result.info.precision, result.tally_digest)
+        info = result.info
+        return cls(
+            result.scene, result.batches, info.precision, result.tally_digest, info.version,
+            info.engine,
+        )  # fmt: skip
 
     @property
     def token(self) -> str:
@@ -112,12 +105,19 @@ class Recipe:
         RecipeError
             Where it is no token, or damaged, or its scene is not what it was.
         """
+        if not isinstance(token, str):
+            raise RecipeError(f"recipe: found {show(token)}, expected the text of a token")
         content = _unpack("".join(token.split()))
         try:
             scene = _scene(content)
+            batches, tally = content["batches"], content["tally"]
+            if type(batches) is not int or batches < 1:
+                raise ValueError(f"batches {show(batches)}")
+            if not (isinstance(tally, str) and re.fullmatch("[0-9a-f]{64}", tally)):
+                raise ValueError(f"tally {show(tally)}")
             made = cls(
-                scene, int(content["batches"]), str(content["precision"]),
-                f"sha256:{content['tally']}", str(content["version"]), str(content["engine"]),
+                scene, batches, str(content["precision"]), f"sha256:{tally}",
+                str(content["version"]), str(content["engine"]),
             )  # fmt: skip
         except RecipeError:
             raise
@@ -125,7 +125,7 @@ class Recipe:
             raise RecipeError(f"recipe: its scene is not valid here: {error}") from None
         except (KeyError, TypeError, ValueError) as error:
             raise RecipeError(
-                f"recipe: made by another version of photizon_cl, or by hand ({error!r})"
+                f"recipe: made by another version of photizon_cl, or by hand ({_clean(error)})"
             ) from None
         return made
 
@@ -159,17 +159,16 @@ class Recipe:
         found = f"the tally digest is {result.tally_digest}, the recipe's {self.tally_digest}: "
         if self.engine != engine_digest():
             return found + (
-                f"it was made by photizon_cl {self.version} with the kernels {self.engine}, and "
-                f"this is {__version__} with the kernels {engine_digest()}; install that version "
-                "to get its bits"
+                f"it was made by {_made(self.version, self.engine)}, and this is "
+                f"{_made(__version__, engine_digest())}; install that version to get its bits"
             )
         if self.version != __version__:
             return found + (
-                f"the kernels are the same, but it was made by photizon_cl {self.version} and this "
-                f"is {__version__}; install that version to get its bits"
+                "the engine is the same, but it was made by photizon_cl "
+                f"{_clean(self.version)} and this is {__version__}; install that one for its bits"
             )
         return found + (
-            "version and kernels are the same, so one of the two devices computes wrongly: "
+            "version and engine are the same, so one of the two devices computes wrongly: "
             "`photizon devices` tests them; please report this"
         )
 
@@ -184,6 +183,17 @@ class Recipe:
         why = self.differs(result)
         if why:
             raise RunError(f"not reproduced: {why}")
+
+
+def _clean(text: object) -> str:
+    """Return what somebody's token says, fit for a terminal."""
+    return show(str(text))[1:-1]
+
+
+def _made(version: str, engine: str) -> str:
+    if not version:
+        return "an earlier version of photizon_cl that did not note itself"
+    return f"photizon_cl {_clean(version)} with the engine {_clean(engine)}"
 
 
 def _alike(preset: Scene, scene: Scene) -> bool:
@@ -222,7 +232,7 @@ def _scene(content: dict[str, Any]) -> Scene:
         if tables not in preset_names():
             raise RecipeError(
                 f"recipe: its scene is the preset {show(tables)}, which this version "
-                f"({__version__}) does not have; it was made by {content['version']}"
+                f"({__version__}) does not have; it was made by {_clean(content['version'])}"
             )
         scene = load(tables)
     else:
@@ -232,7 +242,7 @@ def _scene(content: dict[str, Any]) -> Scene:
     if scene.digest() != content["scene_digest"]:
         raise RecipeError(
             f"recipe: the preset {show(tables)} is not the scene that it was: made by photizon_cl "
-            f"{content['version']}, this is {__version__}; install that version to get its bits"
+            f"{_clean(content['version'])}, this is {__version__}; install that one to get its bits"
             if isinstance(tables, str)
             else "recipe: its scene does not have the digest that it says: the token was changed"
         )

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from photizon_cl import __version__
+from photizon_cl.engine import engine_digest
 from photizon_cl.ledger import Ledger
 from photizon_cl.maps import DetectorResult, FarFieldResult
 from photizon_cl.stopping import Goal, achieved_sigma
@@ -55,6 +57,12 @@ class RunInfo:
         What the run was to reach.
     history : tuple of (int, float, float or None)
         Batches, seconds and σ achieved (None where there is none) as the run went on.
+    version, engine : str
+        Version of photizon_cl, and digest of the sources that fix the bits, that made the batches;
+        empty where an earlier version wrote the result.
+    stopped : str
+        What ended the last call: ``target``, ``batches``, ``time`` or ``interrupt``; empty while it
+        goes on, and in results of earlier versions.
     """
 
     device: str = ""
@@ -65,6 +73,9 @@ class RunInfo:
     worst_closure: int = 0
     goal: Goal = field(default_factory=Goal)
     history: tuple[tuple[int, float, float | None], ...] = ()
+    stopped: str = ""
+    version: str = __version__
+    engine: str = field(default_factory=engine_digest)
 
 
 class Result:
@@ -225,6 +236,7 @@ class Result:
             "target_sigma": self.target_sigma,
             "achieved_sigma": self.achieved_sigma,
             "lit_fraction": self.lit_fraction,
+            "stopped": info.stopped or None,
             "tally_digest": self.tally_digest,
             "ledger": self.ledger.summary(),
             "detectors": {name: d.summary() for name, d in self.detectors.items()},

@@ -10,9 +10,12 @@ While a run is under way, ``checkpoint.nc`` stands there as well, see `photizon_
 
 from __future__ import annotations
 
+import errno
+import hashlib
 import json
 import math
 import os
+import shutil
 import tempfile
 import tomllib
 from pathlib import Path
@@ -20,9 +23,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from photizon_cl.atomic import TEMPORARY, reason, replacing, sweep
+from photizon_cl.atomic import TEMPORARY, reason, replacing
 from photizon_cl.compile import compile_scene
-from photizon_cl.errors import PhotizonError, ResultError, show
+from photizon_cl.errors import ResultError, show
 from photizon_cl.result import RESULT_SCHEMA, Result, RunInfo
 from photizon_cl.result_arrays import dataset
 from photizon_cl.scene_io import load, to_toml
@@ -49,8 +52,9 @@ CHECKPOINT: Final = "checkpoint.nc"
 """The file of a run that is under way, or was killed."""
 _ARRAYS: Final = "result.nc"
 _GROUP: Final = "tally"
+_OVERHEAD: Final = 1 << 18  # bytes of a file beside its arrays, rounded up
 _OURS: Final = frozenset(
-    {"summary.json", "scene.toml", _ARRAYS, CHECKPOINT, "figures", "recipe.txt", "report.html"}
+    {"summary.json", "scene.toml", _ARRAYS, CHECKPOINT, "figures", "recipe.txt"}
 )
 _STATE: Final = ("limbs", "count", "mean", "m2")
 _HISTORY: Final = ("batches", "seconds", "sigma")
@@ -83,6 +87,8 @@ def check_target(path: str | os.PathLike[str], result: Result | None = None) -> 
             raise ResultError(f"{shown} is a file: give a directory to write the result into")
         there = {e.name for e in folder.iterdir() if not e.name.startswith(TEMPORARY)}
     except (OSError, ValueError) as error:
+        if isinstance(error, ResultError):
+            raise
         raise ResultError(f"{shown} cannot be used: {reason(error)}") from None
     if there and _ARRAYS not in there and not there <= _OURS:
         raise ResultError(
@@ -112,6 +118,19 @@ def _check_unfinished(folder: Path, result: Result | None) -> None:
         )
 
 
+def _check_longer(folder: Path, result: Result) -> None:
+    """Refuse to lose batches of the very stream that is written."""
+    if not (folder / _ARRAYS).is_file():
+        return
+    there = read(folder)
+    same = there.scene.digest() == result.scene.digest() and there.info.engine == result.info.engine
+    if same and there.batches > result.batches:
+        raise ResultError(
+            f"{show(str(folder))} holds {there.batches} batches of this run, more than these "
+            f"{result.batches}, and is kept: give another directory, or remove {_ARRAYS} there"
+        )
+
+
 def prepare_target(path: str | os.PathLike[str], result: Result | None = None) -> Path:
     """Make the directory that a result will be written into, and see that it can be.
 
@@ -129,7 +148,6 @@ def prepare_target(path: str | os.PathLike[str], result: Result | None = None) -
         raise ResultError(
             f"{show(str(folder))} cannot be written: {reason(error)}; give another directory"
         ) from None
-    sweep(folder)
     return folder
 
 
@@ -144,6 +162,7 @@ def save(
     from photizon_cl.recipe import Recipe
 
     folder = check_target(path, result)
+    _check_longer(folder, result)
     if figures:
         from photizon_cl.figures import figure_names
 
@@ -155,18 +174,28 @@ def save(
             temporary.write_text(to_toml(result.scene), encoding="utf-8")
         with replacing(folder / _ARRAYS) as temporary:
             _write_arrays(result, temporary)
+            for name in ("summary.json", "recipe.txt"):  # never beside another run's arrays
+                (folder / name).unlink(missing_ok=True)
         (folder / CHECKPOINT).unlink(missing_ok=True)  # the result holds as much and more
         with replacing(folder / "recipe.txt") as temporary:
             temporary.write_text(Recipe.of(result).token + "\n", encoding="ascii")
-        (folder / "report.html").unlink(missing_ok=True)  # that of the result before
-        drawn = _draw(result, folder / "figures", formats) if figures else set()
-        for name in stale - drawn:
-            (folder / "figures" / name).unlink(missing_ok=True)
         with replacing(folder / "summary.json") as temporary:
             text = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False)
             temporary.write_text(text + "\n", encoding="utf-8")
+        _drop_report(folder / "report.html")
+        drawn = _draw(result, folder / "figures", formats) if figures else set()
+        for name in stale - drawn:
+            (folder / "figures" / name).unlink(missing_ok=True)
     except OSError as error:
         raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from error
+
+
+def _drop_report(page: Path) -> None:
+    """Remove the report of the result before; nobody else's page."""
+    from photizon_cl.report.writing import is_report
+
+    if page.is_file() and is_report(page):
+        page.unlink()
 
 
 def _figures_of(folder: Path) -> set[str]:
@@ -194,23 +223,33 @@ def _draw(result: Result, folder: Path, formats: Sequence[str]) -> set[str]:
 
 
 def _write_arrays(result: Result, path: Path) -> None:
-    arrays = dataset(result)
-    _write(_named(result, arrays), path, "w", None)
-    _write(_tally_dataset(result), path, "a", _GROUP)
+    arrays, tally = _named(result, dataset(result)), _tally_dataset(result)
+    _check_room(path.parent, arrays, tally)
+    _write(arrays, path, "w", None)
+    _write(tally, path, "a", _GROUP)
 
 
 def write_state(result: Result, path: Path) -> None:
     """Write what a run goes on from, and no arrays."""
     import xarray as xr
 
+    tally = _tally_dataset(result)
+    _check_room(path.parent, tally)
     _write(_named(result, xr.Dataset()), path, "w", None)
-    _write(_tally_dataset(result), path, "a", _GROUP, packed=False)
+    _write(tally, path, "a", _GROUP, packed=False)
 
 
 def _named(result: Result, arrays: xr.Dataset) -> xr.Dataset:
     arrays.attrs["schema"] = RESULT_SCHEMA
     arrays.attrs["scene"] = to_toml(result.scene)
     return arrays
+
+
+def _check_room(folder: Path, *arrays: xr.Dataset) -> None:
+    """Refuse before HDF5 runs out of room: it cannot end a file that has none, and may crash."""
+    needed = sum(a.nbytes for a in arrays) + _OVERHEAD
+    if shutil.disk_usage(folder).free < needed:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def _write(
@@ -225,7 +264,7 @@ def _tally_dataset(result: Result) -> xr.Dataset:
     import xarray as xr
 
     state, info = result.tally.state(), result.info
-    return xr.Dataset(
+    made = xr.Dataset(
         {
             "limbs": (("cell", "limb"), state.limbs, {"long_name": "exact totals"}),
             "count": (("cell",), state.count, {"units": "1", "long_name": "arrivals"}),
@@ -243,6 +282,9 @@ def _tally_dataset(result: Result) -> xr.Dataset:
             "device": info.device,
             "precision": info.precision,
             # HDF5 has no integers of any length, and its floats would round.
+            "stopped": info.stopped,
+            "version": info.version,
+            "engine": info.engine,
             "interactions": str(info.interactions),
             "worst_closure": str(info.worst_closure),
             "seconds": info.seconds.hex(),
@@ -252,6 +294,20 @@ def _tally_dataset(result: Result) -> xr.Dataset:
             ),
         },
     )
+    made.attrs["checksum"] = _checksum(made, to_toml(result.scene))
+    return made
+
+
+def _checksum(tally: xr.Dataset, scene: str) -> str:
+    """Return a digest over everything that a result is derived from."""
+    total = hashlib.sha256(scene.encode())
+    for name in sorted(map(str, tally.data_vars)):
+        array = np.ascontiguousarray(tally[name].values)
+        total.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())
+    for name in sorted(map(str, tally.attrs)):
+        if name != "checksum":
+            total.update(f"{name}={tally.attrs[name]}\0".encode())
+    return total.hexdigest()
 
 
 # -- reading -------------------------------------------------------------------------------------
@@ -267,7 +323,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
         found = read(given)
         same = found.scene.digest() == left.scene.digest()
         if same and found.scene.run.seed == left.scene.run.seed:
-            return found  # whole as far as it goes; the run that adds to it was killed
+            return left if left.batches > found.batches else found
         raise ResultError(
             f"{show(str(given))} holds a result of {found.scene.name!r} and an unfinished run of "
             f"{left.scene.name!r} (seed {left.scene.run.seed}) over it: `photizon resume` ends the "
@@ -320,14 +376,9 @@ def _open(file: Path) -> Result:
         return _read(file)
     except ResultError:
         raise
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        TypeError,
-        PhotizonError,
-        tomllib.TOMLDecodeError,
-    ) as error:
+    except PermissionError as error:
+        raise ResultError(f"{show(str(file))} cannot be read: {reason(error)}") from None
+    except Exception as error:  # what HDF5 finds in damaged files comes as anything
         raise ResultError(
             f"{show(str(file))} is damaged or not a photizon result: {' '.join(str(error).split())}"
         ) from error
@@ -342,7 +393,8 @@ def _read(file: Path) -> Result:
             raise ResultError(
                 f"{show(str(file))}: found the schema {found}, expected {show(RESULT_SCHEMA)}"
             )
-        scene = load(tomllib.loads(top.attrs["scene"]))
+        text = str(top.attrs["scene"])
+        scene = load(tomllib.loads(text))
     with xr.open_dataset(file, engine="h5netcdf", group=_GROUP, decode_cf=False) as group:
         arrays = {name: np.array(group[name].values) for name in _STATE}
         history = [  # results of the first version have none
@@ -350,6 +402,9 @@ def _read(file: Path) -> Result:
             for name in _HISTORY
         ]
         attrs = dict(group.attrs)
+        # files of the first version have none
+        if attrs.get("checksum", "") and attrs["checksum"] != _checksum(group, text):
+            raise ValueError("its checksum does not fit")
     compiled = compile_scene(scene, scene.run)
     layout = compiled.layout
     state = AccumulatorState(int(attrs["batches"]), **arrays, digest=bytes.fromhex(attrs["digest"]))
@@ -359,6 +414,9 @@ def _read(file: Path) -> Result:
     info = RunInfo(
         device=str(attrs["device"]),
         precision=str(attrs["precision"]),
+        stopped=str(attrs.get("stopped", "")),
+        version=str(attrs.get("version", "")),
+        engine=str(attrs.get("engine", "")),
         interactions=int(attrs["interactions"]),
         seconds=float.fromhex(attrs["seconds"]),
         build_seconds=float.fromhex(attrs["build_seconds"]),

@@ -233,7 +233,7 @@ def draw_section(
     if max(ratio, 1.0 / ratio) <= _LONG:
         axes.set_aspect("equal", anchor="W")
     else:
-        title += ", axes not to one scale"
+        title += ", not to one scale"
     axes.set_title(title, fontsize=9.5, loc="left", color=_INK)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)

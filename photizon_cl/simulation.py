@@ -9,9 +9,11 @@ import threading
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
+from photizon_cl import __version__
 from photizon_cl.compile import MAX_RAY_NUMBER, CompiledScene, compile_scene
 from photizon_cl.distribution import Executed, Local, Runner
-from photizon_cl.errors import ArgumentError, RunError, SceneError, show
+from photizon_cl.engine import engine_digest
+from photizon_cl.errors import ArgumentError, ResultError, RunError, SceneError, show
 from photizon_cl.ledger import check_batch
 from photizon_cl.progress import Clock, Progress
 from photizon_cl.result import Result, RunInfo
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
     from hostcode.device import DeviceRecord
     from hostcode.plan import ExecutionPlan
+    from photizon_cl.checkpoint import Keeper
     from photizon_cl.scene import Scene
 
 __all__ = ["PRECISIONS", "Progress", "refine", "resume", "trace"]
@@ -196,7 +199,16 @@ def refine(
             f"batches: found {goal.batches}, expected at least the {result.batches} that the "
             "result has already (the number is that of all batches)"
         )
-    start = Result(compiled, result.tally.copy(), dataclasses.replace(result.info, goal=goal))
+    info = dataclasses.replace(result.info, goal=goal)
+    if not result.batches:
+        info = dataclasses.replace(info, version=__version__, engine=engine_digest())
+    elif info.engine not in ("", engine_digest()):
+        raise ResultError(
+            f"the result was made by photizon_cl {info.version} with the engine {info.engine}, and "
+            f"this is {__version__} with the engine {engine_digest()}: their batches may differ in "
+            "bits and are not mixed; go on with that version, or run the scene again"
+        )
+    start = Result(compiled, result.tally.copy(), info)
     if start.batches and goal.reached(compiled.layout, start.tally):
         return start
     return _go_on(start, goal, device, progress, executor, plan, checkpoint)
@@ -247,13 +259,28 @@ def _go_on(
     checkpoint: str | os.PathLike[str] | None,
 ) -> Result:
     """Add batches to a result that nobody else holds until its goal is reached."""
-    compiled, tally, info = start.compiled, start.tally, start.info
-    keeper = None
-    if checkpoint is not None:
-        from photizon_cl.checkpoint import Keeper
-        from photizon_cl.result_io import prepare_target
+    if checkpoint is None:
+        return _add_batches(start, goal, device, progress, executor, plan, None)
+    from photizon_cl.checkpoint import Keeper
+    from photizon_cl.result_io import prepare_target
 
-        keeper = Keeper(prepare_target(checkpoint, start), start)
+    keeper = Keeper(prepare_target(checkpoint, start), start)
+    try:
+        return _add_batches(start, goal, device, progress, executor, plan, keeper)
+    finally:
+        keeper.close()
+
+
+def _add_batches(
+    start: Result,
+    goal: Goal,
+    device: DeviceRecord | str | int | None,
+    progress: Callable[[Progress], object] | None,
+    executor: Executor | None,
+    plan: ExecutionPlan | None,
+    keeper: Keeper | None,
+) -> Result:
+    compiled, tally, info = start.compiled, start.tally, start.info
     chosen = str(device) if isinstance(device, int) else device
     runner: Runner
     if executor is None:
@@ -268,7 +295,7 @@ def _go_on(
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
     history = History(info.history, info.seconds)
 
-    def so_far() -> RunInfo:
+    def so_far(stopped: str = "") -> RunInfo:
         return dataclasses.replace(
             info,
             device=label,
@@ -277,6 +304,7 @@ def _go_on(
             build_seconds=info.build_seconds + build,
             worst_closure=worst,
             history=history.rows,
+            stopped=stopped,
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
@@ -308,7 +336,10 @@ def _go_on(
     if not tally.batches:
         raise RunError(_no_batch(compiled, clock))
     history.note(compiled.layout, tally, clock.elapsed(), last=True)
-    result = Result(compiled, tally, so_far())
+    stopped = "interrupt" if interrupted() else "time"
+    if goal.reached(compiled.layout, tally):
+        stopped = "batches" if tally.batches == goal.batches else "target"
+    result = Result(compiled, tally, so_far(stopped))
     if keeper is not None:
         keeper.note(lambda: result, last=True)
     return result

@@ -16,7 +16,9 @@
 #define NO_SLOT 0xFFFFL
 // Element and face in 15 bits, over whether it is on the + side.  The first 2048 elements have numbers
 // of their own; the multiple keeps apart those that a scene made of rows of 2^n would bring together.
-#define SLOT_OF(element, face) (((((element) + ((element) >> 11) * 1109L) << 4) + (face) & 0x7FFFL) << 1)
+// NO_SLOT is none of them.
+#define SLOT_KEY(x) (((x) & 0x7FFFL) - ((((x) & 0x7FFFL) + 1L) >> 15))
+#define SLOT_OF(element, face) (SLOT_KEY((((element) + ((element) >> 11) * 1109L) << 4) + (face)) << 1)
 
 // The lanes of m that are known to be on one side of a face; on_minus: whether that is the - side.
 FN mask remembers(const packet_t *p, mask m, long code, mask *on_minus) {

@@ -12,7 +12,7 @@ from photizon_cl.errors import ArgumentError
 from photizon_cl.figures import bins
 from photizon_cl.figures.maps import amounts
 from photizon_cl.figures.style import BLUE, GRID, LABEL, ORANGE, QUIET, SMALL, WIDTH, sheet, styled
-from photizon_cl.figures.words import prefixed, scaled
+from photizon_cl.figures.words import percent, prefixed, scaled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,7 +57,7 @@ def draw_far_field(result: Result) -> Figure:
     """
     far = _far(result)
     lit = float(np.mean(~far.hatched))
-    page = sheet(result, "far field: intensity of what escaped", bins.body(3.6), lit=lit)
+    page = sheet(result, "far field: intensity of what escaped", bins.body(3.6), _notes(far), lit)
     axes, beside = bins.bin_axes(page, 4.85, 3.6)
     shown = np.ma.masked_array(far.intensity, mask=far.hatched)
     phi = np.degrees(far.phi_edges)
@@ -66,6 +66,14 @@ def draw_far_field(result: Result) -> Figure:
     axes.set_ylabel("μ = cos θ, from world +z", fontsize=LABEL)
     axes.set_xticks(np.arange(0, 361, 45))
     return page.figure
+
+
+def _notes(far: FarFieldResult) -> list[str]:
+    """Return the far field's own σ: that of the run is about other quantities."""
+    sigma = far.median_sigma
+    if sigma is None:
+        return []
+    return [f"median relative σ of the far field's lit bins {percent(sigma)}"]
 
 
 @styled
@@ -101,7 +109,9 @@ def draw_far_field_cuts(result: Result, planes: Sequence[float] = (0.0, 90.0)) -
         )
     columns = [column(far, phi) for plane in planes for phi in (plane, plane + 180.0)]
     lit = float(np.mean(far.count[:, columns] >= 10))
-    page = sheet(result, "far field: cuts through the intensity of what escaped", 4.7, lit=lit)
+    page = sheet(
+        result, "far field: cuts through the intensity of what escaped", 4.7, _notes(far), lit
+    )
     side = 4.2
     axes: Any = page.figure.add_axes(
         page.place(0.45, 0.5 * (page.body - side), side, side), projection="polar"

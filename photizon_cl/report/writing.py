@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+from photizon_cl.atomic import reason, replacing
 from photizon_cl.errors import ArgumentError, ResultError, show
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 __all__ = ["Written", "write_report"]
 
@@ -70,12 +66,6 @@ def write_report(
         if given.is_file() or (given / "result.nc").is_file():  # there, and not whole
             raise ResultError(f"{error}; {_AGAIN}") from error
         raise
-    except (RuntimeError, ArithmeticError, AttributeError, IndexError, EOFError) as error:
-        # what the HDF5 library raises beside OSError over files that are not whole
-        reason = " ".join(str(error).split())
-        raise ResultError(
-            f"{show(str(given))} is damaged or not a photizon result: {reason}; {_AGAIN}"
-        ) from error
     home = given if given.is_dir() else given.parent
     page = home / NAME if out is None else Path(os.fsdecode(out))
     _check_page(page)
@@ -86,21 +76,27 @@ def write_report(
     warnings += [
         f"the figure {show(name)} could not be drawn: {why}" for name, why in figures.failed
     ]
-    text = render(result, figures, _recipe(home))
+    text = render(result, figures, result.recipe[:_MOST_RECIPE])
     try:
-        with _replacing(page) as temporary:
+        with replacing(page) as temporary:
             temporary.write_text(text, encoding="utf-8", errors="replace")
     except OSError as error:
         raise ArgumentError(
-            f"{show(str(page))} cannot be written ({_reason(error)}): give another file with --out"
+            f"{show(str(page))} cannot be written ({reason(error)}): give another file with --out"
         ) from None
     return Written(page, tuple(made), tuple(warnings))
 
 
-def _check_page(page: Path) -> None:
-    """See that a page may be written: a new file, or a report that is replaced."""
+def is_report(page: Path) -> bool:
+    """Say whether a file is a report that was written here."""
     from photizon_cl.report.page import GENERATOR
 
+    with page.open("rb") as file:
+        return f'content="{GENERATOR}'.encode() in file.read(2000)
+
+
+def _check_page(page: Path) -> None:
+    """See that a page may be written: a new file, or a report that is replaced."""
     shown = show(str(page))
     try:
         if page.is_dir():
@@ -111,15 +107,12 @@ def _check_page(page: Path) -> None:
             )
         if not page.exists():
             return
-        if page.is_file():
-            with page.open("rb") as file:
-                start = file.read(2000)
-            if not start or f'content="{GENERATOR}'.encode() in start:
-                return
+        if page.is_file() and (not page.stat().st_size or is_report(page)):
+            return
     except (OSError, ValueError) as error:
         if isinstance(error, ArgumentError):
             raise
-        raise ArgumentError(f"--out: {shown} cannot be used ({_reason(error)})") from None
+        raise ArgumentError(f"--out: {shown} cannot be used ({reason(error)})") from None
     raise ArgumentError(
         f"{shown} is there and no photizon report, and is not replaced: "
         "give another file with --out, or move it away"
@@ -141,37 +134,9 @@ def _complete(folder: Path, files: dict[str, bytes]) -> tuple[list[Path], list[s
         for name, png in files.items():
             if (folder / name).exists():
                 continue
-            with _replacing(folder / name) as temporary:
+            with replacing(folder / name) as temporary:
                 temporary.write_bytes(png)
             made.append(folder / name)
     except OSError as error:
-        return made, [f"figures cannot be written to {show(str(folder))} ({_reason(error)})"]
+        return made, [f"figures cannot be written to {show(str(folder))} ({reason(error)})"]
     return made, []
-
-
-def _recipe(home: Path) -> str | None:
-    try:
-        text = (home / "recipe.txt").read_text(encoding="utf-8", errors="replace").strip()
-    except OSError:
-        return None
-    return text[:_MOST_RECIPE] or None
-
-
-def _reason(error: Exception) -> str:
-    return getattr(error, "strerror", None) or str(error)
-
-
-@contextmanager
-def _replacing(target: Path) -> Iterator[Path]:
-    """Give a temporary path beside `target` that takes its place when all went well."""
-    handle, name = tempfile.mkstemp(prefix=".", suffix=target.suffix, dir=target.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)

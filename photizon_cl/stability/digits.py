@@ -32,7 +32,7 @@ def load_mpmath() -> Any:
     except ImportError:
         raise RunError(
             "the stability report compares with 60-digit arithmetic and needs mpmath, which is not "
-            "installed; install it with: pip install 'photizon-cl[test]'"
+            "installed; install it with: pip install mpmath"
         ) from None
 
 

@@ -143,7 +143,8 @@ def test_the_search_visits_few_nodes_of_many(device):
         boxes = world_boxes(compiled.scene.element, compiled.shift)
         counts.append(visits(compiled, build_tree(boxes), device, 160)[0])
     assert counts[0] < 6.0
-    assert counts[1] < 2.0 * 2.0 * counts[0]  # log n doubles
+    # log n doubles; n^(1/3) grows four times
+    assert counts[1] < 2.8 * counts[0]
 
 
 def test_the_tree_is_used_from_the_break_even_on(device):

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import photizon_cl as pz
+from photizon_cl.cli import main
 from photizon_cl.scene_io import load
 
 FILES = ["recipe.txt", "result.nc", "scene.toml", "summary.json"]
@@ -106,7 +107,9 @@ def test_figures_are_drawn_and_old_ones_go(room, sphere, tmp_path):
 
 
 def test_figures_come_in_the_formats_asked_for(sphere, tmp_path):
-    (tmp_path / "report.html").write_text("of the result before")
+    sphere.save(tmp_path, formats=("svg", "pdf"))
+    assert main(["report", str(tmp_path)]) == 0
+    assert (tmp_path / "report.html").exists()
     sphere.save(tmp_path, formats=("svg", "pdf"))
     suffixes = sorted({p.suffix for p in (tmp_path / "figures").iterdir()})
     assert suffixes == [".pdf", ".svg"]

@@ -160,7 +160,7 @@ def test_no_device_says_what_to_install_in_one_line():
         pick(None)
     assert "\n" not in str(caught.value)
     assert "apt install pocl-opencl-icd" in str(caught.value)
-    assert "pip install 'photizon-cl[pocl]'" in str(caught.value)
+    assert "pip install 'pyopencl[pocl]'" in str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,6 @@ def pages(results, tmp_path_factory):
     for name, result in results.items():
         folder = tmp_path_factory.mktemp(name)
         result.save(folder, figures=False)
-        (folder / "recipe.txt").write_text(f"token-of-{name}<&>\n", encoding="utf-8")
         written[name] = write_report(folder).page
     return written
 

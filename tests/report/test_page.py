@@ -85,7 +85,7 @@ def test_provenance_is_complete(read, results, name):
         result.scene.digest(),
         result.info.device,
         result.info.precision,
-        f"token-of-{name}<&>",
+        result.recipe,
         np.__version__,
         pyopencl.VERSION_TEXT,
         pz.__version__,

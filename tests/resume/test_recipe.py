@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 import photizon_cl as pz
-from photizon_cl import recipe as module
+from photizon_cl import engine as module
 from photizon_cl.cli import main
 
 RUN = {"batches": 3, "rays_per_batch": 1024, "seed": 7}
@@ -109,6 +109,9 @@ def test_what_is_no_token(text):
         ({"scene_digest": "sha256:0"}, "is not the scene that it was"),
         ({"scene": {"schema": "photizon/1", "name": "x"}}, "its scene is not valid here"),
         ({"batches": None}, "another version of photizon_cl, or by hand"),
+        ({"batches": float("inf")}, "another version of photizon_cl, or by hand"),
+        ({"batches": 2.0}, "another version of photizon_cl, or by hand"),
+        ({"tally": 5}, "another version of photizon_cl, or by hand"),
         ({"run": {}}, "another version of photizon_cl, or by hand"),
     ],
 )
@@ -132,11 +135,31 @@ def test_why_the_bits_differ(sphere, monkeypatch):
     )
     other = replace(made, tally_digest="sha256:0")
     assert "please report this" in other.differs(sphere)
-    assert "kernels are the same" in replace(other, version="0.0.9").differs(sphere)
-    assert "with the kernels 0123" in replace(other, engine="0123").differs(sphere)
+    assert "engine is the same" in replace(other, version="0.0.9").differs(sphere)
+    assert "with the engine 0123" in replace(other, engine="0123").differs(sphere)
     with pytest.raises(pz.RunError, match="not reproduced"):
         other.check(sphere)
     made.check(sphere)
+
+
+def test_nothing_of_a_token_reaches_the_terminal_raw(sphere):
+    evil = packed({**unpacked(sphere.recipe), "version": "\x1b[31m", "tally": "0" * 64})
+    assert "\x1b" not in pz.Recipe.read(evil).differs(sphere)
+    for change in ({"scene": "gone"}, {"scene_digest": "sha256:0"}):
+        with pytest.raises(pz.RecipeError) as caught:
+            pz.Recipe.read(packed({**unpacked(evil), **change}))
+        assert "\x1b" not in str(caught.value)
+
+
+def test_batches_of_two_engines_are_not_mixed(sphere, tmp_path, monkeypatch):
+    sphere.save(tmp_path, figures=False)
+    old = sphere.info.engine
+    monkeypatch.setattr("photizon_cl.simulation.engine_digest", lambda: "0123456789abcdef")
+    with pytest.raises(pz.ResultError, match="are not mixed"):
+        pz.resume(tmp_path, batches=5)
+    # the recipe of a result names the engine that made it, whichever is installed
+    monkeypatch.setattr("photizon_cl.recipe.engine_digest", lambda: "0123456789abcdef")
+    assert pz.Recipe.of(pz.open_result(tmp_path)).engine == old
 
 
 def test_the_engine_digest_follows_every_kernel(tmp_path, monkeypatch):

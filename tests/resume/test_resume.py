@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import shutil
 
@@ -11,7 +12,7 @@ import pytest
 import photizon_cl as pz
 from hostcode.plan import ExecutionPlan
 from photizon_cl import checkpoint
-from photizon_cl.atomic import TEMPORARY
+from photizon_cl.atomic import TEMPORARY, Lock
 from photizon_cl.cli import main
 from photizon_cl.result_io import CHECKPOINT
 from photizon_cl.stopping import History
@@ -28,6 +29,7 @@ class KilledError(Exception):
 def at_every_wave(monkeypatch):
     monkeypatch.setattr(checkpoint, "PERIOD", 0.0)
     monkeypatch.setattr(checkpoint, "_SHARE", 1e9)
+    monkeypatch.setattr(History, "_SHARE", 1e9)
 
 
 def die_after(batches):
@@ -86,7 +88,8 @@ def test_a_finished_run_goes_on(whole, tmp_path):
     with pytest.raises(pz.ArgumentError, match="at least the 4"):
         pz.resume(tmp_path, batches=3)
     assert pz.resume(tmp_path, batches=10).tally_digest == whole.tally_digest
-    assert pz.open_result(tmp_path).batches == 4  # until it is saved; then again at once
+    assert pz.open_result(tmp_path).batches == 10  # from the checkpoint, until it is saved
+    assert pz.open_result(tmp_path / "result.nc").batches == 4
     assert pz.resume(tmp_path).batches == 10
 
 
@@ -127,11 +130,53 @@ def test_a_new_run_over_an_old_result(whole, tmp_path):
     assert pz.resume(tmp_path).scene.name == "cosine-fourth"
 
 
+def test_the_same_run_begun_anew_over_its_result_loses_nothing(whole, tmp_path):
+    whole.save(tmp_path, figures=False)
+    killed(tmp_path, after=2)
+    assert pz.resume(tmp_path).batches == 10
+    with pytest.raises(pz.ArgumentError, match="at least the 10"):
+        pz.resume(tmp_path, batches=4)
+    short = pz.trace(SCENE, rays_per_batch=RAYS, batches=3)
+    with pytest.raises(pz.ResultError, match="more than these 3, and is kept"):
+        short.save(tmp_path, figures=False)
+
+
+def test_two_runs_do_not_write_to_one_directory(tmp_path):
+    lock = Lock(tmp_path)
+    with pytest.raises(pz.ResultError, match="being written to by another run"):
+        pz.trace(SCENE, rays_per_batch=RAYS, batches=2, checkpoint=tmp_path)
+    lock.free()
+    pz.trace(SCENE, rays_per_batch=RAYS, batches=2, checkpoint=tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == [CHECKPOINT]
+
+
+def test_other_peoples_files_stay(whole, tmp_path):
+    kept = [tmp_path / name for name in (".photizon-notes.txt", "report.html")]
+    whole.save(tmp_path, figures=False)
+    for file in kept:
+        file.write_text("mine")
+    pz.resume(tmp_path, batches=12).save(tmp_path, figures=False)
+    assert [file.read_text() for file in kept] == ["mine", "mine"]
+
+
+def test_a_flipped_bit_is_found_by_its_checksum(tmp_path):
+    killed(tmp_path)
+    file = tmp_path / CHECKPOINT
+    data = file.read_bytes()
+    state = pz.open_result(tmp_path).tally.state()
+    place = data.index(state.mean.tobytes())
+    flipped = bytearray(data)
+    flipped[place + 6] ^= 1
+    file.write_bytes(bytes(flipped))
+    with pytest.raises(pz.ResultError, match="checksum does not fit"):
+        pz.resume(tmp_path)
+
+
 def test_a_run_that_added_to_a_result_was_killed(whole, tmp_path):
     pz.trace(SCENE, rays_per_batch=RAYS, batches=4).save(tmp_path, figures=False)
     with pytest.raises(KilledError):
         pz.resume(tmp_path, batches=10, progress=die_after(7), plan=EACH)
-    assert pz.open_result(tmp_path).batches == 4  # what is whole
+    assert 4 < pz.open_result(tmp_path).batches < 10  # the further of the two
     assert pz.resume(tmp_path).tally_digest == whole.tally_digest
 
 
@@ -149,7 +194,7 @@ def test_half_a_file_does_not_open(name, tmp_path):
 
 def test_what_a_killed_writer_leaves_is_swept(whole, tmp_path):
     killed(tmp_path)
-    left = tmp_path / f"{TEMPORARY}abc.nc"
+    left = tmp_path / f"{TEMPORARY}abcd1234.nc"
     left.write_bytes(b"half a file")
     pz.resume(tmp_path).save(tmp_path, figures=False)
     assert not left.exists()
@@ -169,13 +214,15 @@ def test_a_checkpoint_that_cannot_be_written_is_told(tmp_path, monkeypatch):
 
 
 def test_checkpoints_take_a_small_part_of_the_time(tmp_path, monkeypatch):
+    ticks = itertools.count()
+    monkeypatch.setattr(checkpoint.time, "perf_counter", lambda: 0.01 * next(ticks))
     monkeypatch.setattr(checkpoint, "_SHARE", 0.02)
     written = []
     whole = checkpoint.write_state
     monkeypatch.setattr(checkpoint, "write_state", lambda *a: (written.append(1), whole(*a)))
     killed(tmp_path, after=30, batches=40)
-    # about 30 waves of a few ms each, and a checkpoint takes tens of ms
-    assert 1 <= len(written) < 10
+    # a checkpoint takes a tick at least, so that there is one in fifty ticks at most
+    assert 1 <= len(written) <= 1 + next(ticks) // 50
 
 
 def test_command_line(whole, tmp_path, capsys):
@@ -192,13 +239,51 @@ def test_command_line(whole, tmp_path, capsys):
     assert "neither a result nor a checkpoint" in capsys.readouterr().err
 
 
+def test_bits_flipped_anywhere_are_told(whole, tmp_path):
+    whole.save(tmp_path, figures=False)
+    data = bytearray((tmp_path / "result.nc").read_bytes())
+    told = 0
+    for at in range(0, len(data) - 64, len(data) // 60):
+        flipped = bytes(b ^ 0xA5 for b in data[at : at + 64])
+        (tmp_path / "result.nc").write_bytes(data[:at] + flipped + data[at + 64 :])
+        for verb in ("resume", "recipe"):
+            status = main([verb, str(tmp_path)])
+            assert status in (0, 2)  # never a traceback
+            told += status == 2
+        (tmp_path / "result.nc").write_bytes(data)
+    assert told > 20
+
+
+def test_a_full_disk_is_told(whole, tmp_path, monkeypatch):
+    class Full:
+        free = 1000
+
+    monkeypatch.setattr("photizon_cl.result_io.shutil.disk_usage", lambda _: Full)
+    with pytest.raises(pz.ResultError, match="No space left"):
+        whole.save(tmp_path)
+    with pytest.raises(pz.RunError, match="No space left"):
+        pz.trace(SCENE, batches=2, rays_per_batch=RAYS, checkpoint=tmp_path / "new")
+    assert not (tmp_path / "result.nc").exists()
+
+
+def test_what_ended_a_run_is_said(whole, tmp_path, capsys):
+    assert whole.info.stopped == "batches" == whole.summary()["stopped"]
+    assert pz.trace(SCENE, rays_per_batch=RAYS, target=0.5).info.stopped == "target"
+    late = pz.trace(SCENE, rays_per_batch=RAYS, target=1e-6, max_seconds=0.05)
+    assert late.info.stopped == "time"
+    late.save(tmp_path, figures=False)
+    assert pz.open_result(tmp_path).info.stopped == "time"
+    assert main(["run", SCENE, "--target", "1e-6", "--max-seconds", "0.05"]) == 0
+    assert "stopped by max_seconds after" in capsys.readouterr().out
+
+
 # -- history -------------------------------------------------------------------------------------
 
 
 def test_the_history_comes_back(tmp_path):
     result = pz.trace(SCENE, rays_per_batch=RAYS, batches=40, plan=EACH)
     history = result.history
-    assert len(history) > 2
+    assert len(history) == 40
     assert (np.diff(history["batches"]) > 0).all()
     assert (np.diff(history["seconds"]) > 0).all()
     assert (history["rays"] == history["batches"] * RAYS).all()
@@ -212,7 +297,8 @@ def test_the_history_comes_back(tmp_path):
     assert (np.diff(more["seconds"]) > 0).all()
 
 
-def test_a_long_history_is_thinned(whole):
+def test_a_long_history_is_thinned(whole, monkeypatch):
+    monkeypatch.undo()
     history = History((), 0.0)
     tally = whole.tally.copy()
     for n in range(5000):

@@ -130,7 +130,7 @@ def _presets() -> str:
 
 def _anchors() -> str:
     def plain(text: str) -> str:
-        return re.sub(r"([\\`*_<>\[\]|#])", r"\\\1", text[0].upper() + text[1:])
+        return re.sub(r"([\\`*_<>\[\]|#])", r"\\\1", text)
 
     return "\n".join(f"## {p.name}\n\n{plain(p.title)}.\n\n{plain(p.anchor)}\n" for p in presets())
 
