@@ -1,4 +1,4 @@
-"""A tree of boxes, eight to a node, over many elements: the nearest hit in about log n steps.
+"""A tree of boxes, eight to a node, over many elements, for the nearest hit of one ray at a time.
 
 Built from the root down, a whole level at once: every node divides its elements seven times, each
 time the group whose box has the largest area, where a binned surface-area heuristic finds least
