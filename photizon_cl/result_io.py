@@ -54,7 +54,16 @@ _ARRAYS: Final = "result.nc"
 _GROUP: Final = "tally"
 _OVERHEAD: Final = 1 << 18  # bytes of a file beside its arrays, rounded up
 _OURS: Final = frozenset(
-    {"summary.json", "scene.toml", _ARRAYS, CHECKPOINT, "figures", "recipe.txt"}
+    {
+        "summary.json",
+        "scene.toml",
+        _ARRAYS,
+        CHECKPOINT,
+        "figures",
+        "recipe.txt",
+        "ledger.csv",
+        "detectors.csv",
+    }
 )
 _STATE: Final = ("limbs", "count", "mean", "m2")
 _HISTORY: Final = ("batches", "seconds", "sigma")
@@ -159,6 +168,7 @@ def save(
     formats: Sequence[str] = ("png",),
 ) -> None:
     """Write a result, see `Result.save`."""
+    from photizon_cl.csv_tables import detectors_csv, ledger_csv
     from photizon_cl.recipe import Recipe
 
     folder = check_target(path, result)
@@ -174,11 +184,17 @@ def save(
             temporary.write_text(to_toml(result.scene), encoding="utf-8")
         with replacing(folder / _ARRAYS) as temporary:
             _write_arrays(result, temporary)
-            for name in ("summary.json", "recipe.txt"):  # never beside another run's arrays
+            # never beside another run's arrays
+            for name in ("summary.json", "recipe.txt", "ledger.csv", "detectors.csv"):
                 (folder / name).unlink(missing_ok=True)
         (folder / CHECKPOINT).unlink(missing_ok=True)  # the result holds as much and more
         with replacing(folder / "recipe.txt") as temporary:
             temporary.write_text(Recipe.of(result).token + "\n", encoding="ascii")
+        with replacing(folder / "ledger.csv") as temporary:
+            temporary.write_text(ledger_csv(result), encoding="utf-8", newline="")
+        if result.detectors:
+            with replacing(folder / "detectors.csv") as temporary:
+                temporary.write_text(detectors_csv(result), encoding="utf-8", newline="")
         with replacing(folder / "summary.json") as temporary:
             text = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False)
             temporary.write_text(text + "\n", encoding="utf-8")

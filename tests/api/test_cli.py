@@ -136,7 +136,8 @@ def test_out_holds_the_result(run, tmp_path):
         assert status == 0
         assert str(folder) in out
     assert {p.name for p in folder.iterdir()} == {
-        "summary.json", "scene.toml", "result.nc", "recipe.txt", "figures"
+        "summary.json", "scene.toml", "result.nc", "recipe.txt", "figures", "ledger.csv",
+        "detectors.csv",
     }  # fmt: skip
     assert (folder / "figures" / "map-floor.png").exists()
     assert pz.open_result(folder).batches == 2

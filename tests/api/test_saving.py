@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 
 import numpy as np
@@ -12,7 +13,7 @@ import photizon_cl as pz
 from photizon_cl.cli import main
 from photizon_cl.scene_io import load
 
-FILES = ["recipe.txt", "result.nc", "scene.toml", "summary.json"]
+FILES = ["ledger.csv", "recipe.txt", "result.nc", "scene.toml", "summary.json"]
 
 
 def arrays(result):
@@ -45,7 +46,9 @@ def test_round_trip_to_the_bit(which, request, tmp_path):
     identical(pz.open_result(str(folder / "result.nc")), result)
     assert json.loads((folder / "summary.json").read_text("utf-8")) == result.summary()
     assert load(folder / "scene.toml") == result.scene
-    assert sorted(p.name for p in folder.iterdir()) == FILES
+    assert sorted(p.name for p in folder.iterdir()) == sorted(
+        [*FILES, *["detectors.csv"][: len(result.detectors)]]
+    )
 
 
 def test_an_opened_result_goes_on(room, tmp_path):
@@ -74,6 +77,26 @@ def test_arrays_are_labelled(room, sphere, tmp_path):
     with xr.open_dataset(tmp_path / "sphere" / "result.nc", engine="h5netcdf") as ds:
         assert ds["far_field.intensity"].attrs["units"] == "W sr-1"
         assert ds["far_field.intensity"].dims == ("far_field.mu", "far_field.phi")
+
+
+def test_tables_are_read_back_to_the_bit(room, tmp_path):
+    room.save(tmp_path, figures=False)
+    with open(tmp_path / "ledger.csv", encoding="utf-8", newline="") as file:
+        rows = {row["row"]: row for row in csv.DictReader(file)}
+    assert float(rows["absorbed: wall -x"]["value_W"]) == room.ledger.absorbed["wall -x"].value
+    assert float(rows["absorbed: wall -x"]["sigma_W"]) == room.ledger.absorbed["wall -x"].sigma
+    assert float(rows["emitted"]["share"]) == 1.0
+    with open(tmp_path / "detectors.csv", encoding="utf-8", newline="") as file:
+        total, *ladder = list(csv.DictReader(file))
+    floor = room.detectors["floor"]
+    assert (total["detector"], total["generation"]) == ("floor", "")
+    assert float(total["value_W"]) == floor.power.value
+    assert [float(r["value_W"]) for r in ladder] == [rung.value for rung in floor.ladder]
+    assert [int(r["count"]) for r in ladder] == [rung.count for rung in floor.ladder]
+    single = pz.trace("integrating-sphere", batches=1, rays_per_batch=512)
+    single.save(tmp_path / "single", figures=False)
+    assert ",," in (tmp_path / "single" / "ledger.csv").read_text("utf-8")  # no σ
+    assert not (tmp_path / "single" / "detectors.csv").exists()
 
 
 def test_awkward_names(tmp_path):

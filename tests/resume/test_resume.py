@@ -199,7 +199,7 @@ def test_what_a_killed_writer_leaves_is_swept(whole, tmp_path):
     pz.resume(tmp_path).save(tmp_path, figures=False)
     assert not left.exists()
     assert sorted(p.name for p in tmp_path.iterdir()) == [
-        "recipe.txt", "result.nc", "scene.toml", "summary.json"
+        "detectors.csv", "ledger.csv", "recipe.txt", "result.nc", "scene.toml", "summary.json"
     ]  # fmt: skip
 
 
