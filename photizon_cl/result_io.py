@@ -297,10 +297,10 @@ def _tally_dataset(result: Result) -> xr.Dataset:
             "digest": state.digest.hex(),
             "device": info.device,
             "precision": info.precision,
-            # HDF5 has no integers of any length, and its floats would round.
             "stopped": info.stopped,
             "version": info.version,
             "engine": info.engine,
+            # HDF5 has no integers of any length, and its floats would round.
             "interactions": str(info.interactions),
             "worst_closure": str(info.worst_closure),
             "seconds": info.seconds.hex(),
