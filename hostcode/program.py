@@ -28,6 +28,7 @@ __all__ = [
     "OPTIONS",
     "ROW_FRAME",
     "ROW_STRIDE",
+    "NOTE_WORDS",
     "SOURCE_STRIDE",
     "TREE_STACK",
     "TREE_WIDTH",
@@ -51,6 +52,8 @@ TREE_WIDTH: Final = 8
 """Children of a node of the tree of boxes."""
 TREE_STACK: Final = 169
 """Places of the search's stack: seven stay behind at each of up to 24 levels, and one."""
+NOTE_WORDS: Final = 2
+"""Words in which a ray remembers the faces around where it started, four faces to a word."""
 
 OPTIONS: Final[tuple[str, ...]] = ("-cl-std=CL1.2",)
 """Build options; no ``-cl-*-math`` option may ever stand here."""
@@ -171,7 +174,7 @@ class ProgramSpec:
         long = ["left"]
         if "contact" in self.effects:
             real += ["came_x", "came_y", "came_z"]
-            long += ["before", "earlier"]
+            long += [f"note{n}" for n in range(NOTE_WORDS)]
         if "splitting" in self.effects:
             long.append("path")
         word = ("ray_lo", "ray_hi", "generation")
@@ -202,6 +205,7 @@ def program_source(spec: ProgramSpec) -> str:
         "row_frame": ROW_FRAME,
         "material_stride": MATERIAL_STRIDE,
         "source_stride": SOURCE_STRIDE,
+        "note_words": NOTE_WORDS,
         "tree_width": TREE_WIDTH,
         "tree_stack": TREE_STACK,
         "launch_struct": c_struct("launch_t", LAUNCH),

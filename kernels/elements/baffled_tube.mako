@@ -4,6 +4,25 @@
 // number i + 1 at z = L (i + 1)/(N + 1) (normal along the axis).
 // Row: 0-2 centre of the entrance, 3 h, 4 h with its rounding bound, 5 h less that bound, 6 L, 7 N,
 // 8 half hole less its rounding bound, 9 rounding bound of a coordinate, 15-23 frame.
+<%def name="starts(face, beside, height, speed, nx, ny, nz)">
+% if "contact" in effects:
+        const mask beside = met & ${beside};
+        search->doubtful |= beside;
+        if (search->careful && ANY(beside)) {
+            real nx, ny, nz;
+            turn_${cls.suffix}(row, ${nx}, ${ny}, ${nz}, &nx, &ny, &nz);
+            mask on_minus, cross;
+            const mask here = starts_on(search, p, beside, WITH_FACE(code, ${face}), on, ${height}, near, nx, ny, nz, ${speed},
+                                        &on_minus, &cross);
+            t = SEL(here, splat(0.0), t);
+            ok = SEL(here, cross & NE(${speed}, splat(0.0)), ok);
+        }
+% else:
+        const mask here = on & ok;
+        search->doubtful |= here;
+        if (search->careful && ANY(here)) ok &= ~on | crosses(p, here, ${height} * (${speed}));
+% endif
+</%def>
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
                       const scene_t *scene, search_t *search, real *t_out, lint *face_out) {
     const local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
@@ -13,24 +32,23 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real near = reach + row[9];
     const real wide = reach + row[4];
     const real low = -near, high = near + row[6];
+% if "contact" in effects:
+    const real about = 64.0 * near, around = fmax(fabs(r.x), fabs(r.y));
+    const double middle = 0.5 * row[6];
+% endif
     real best = splat(INFINITY);
     lint face = lsplat(0L);
     mask found = lsplat(0L);
 % for n, (w, o, sign) in enumerate((("x", "y", 1), ("x", "y", -1), ("y", "x", 1), ("y", "x", -1))):
     {
         const real off = ${"" if sign == 1 else "-"}row[3] - r.${w};
-        const mask on = LE(fabs(off), near);
-        const real t = SEL(on, splat(0.0), off / r.d${w});
-        mask ok = p->alive & NE(r.d${w}, splat(0.0)) & GE(t, splat(0.0)) & ~(ours & EQ(left_face, lsplat(${n}L)))
+        const mask on = LE(fabs(off), near), met = p->alive & ~(ours & EQ(left_face, lsplat(${n}L)));
+        real t = SEL(on, splat(0.0), off / r.d${w});
+        mask ok = met & NE(r.d${w}, splat(0.0)) & GE(t, splat(0.0))
             & LE(fabs(fma(t, r.d${o}, r.${o})), wide)
             & GE(fma(t, r.dz, r.z), low) & LE(fma(t, r.dz, r.z), high);
-        const mask starts = on & ok;
-        search->doubtful |= starts;
-        if (search->careful && ANY(starts)) {
-            real nx, ny, nz;
-            turn_${cls.suffix}(row, splat(${f"{sign}.0" if w == "x" else "0.0"}), splat(${f"{sign}.0" if w == "y" else "0.0"}), splat(0.0), &nx, &ny, &nz);
-            ok &= ~on | crosses(search, p, starts, WITH_FACE(code, ${n}L), nx, ny, nz, r.d${w} * ${sign}.0, -off * r.d${w});
-        }
+${starts(f"{n}L", "LE(fabs(off), about) & LE(fabs(r.%s), about + row[3]) & LE(fabs(r.z - middle), about + middle)" % o,
+         f"off * {-sign}.0", f"r.d{w} * {sign}.0", *(f"splat({sign}.0)" if v == w else "splat(0.0)" for v in "xyz"))}
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);
         face = SEL(closer, lsplat(${n}L), face);
@@ -40,18 +58,13 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const int plates = (int)row[7];
     for (int i = 0; i < plates; i++) {
         const real off = row[6] * (i + 1) / (plates + 1) - r.z;
-        const mask on = LE(fabs(off), near);
-        const real t = SEL(on, splat(0.0), off / r.dz);
+        const mask on = LE(fabs(off), near), met = p->alive & ~(ours & EQ(left_face, lsplat(4L + i)));
+        real t = SEL(on, splat(0.0), off / r.dz);
         const real x = fabs(fma(t, r.dx, r.x)), y = fabs(fma(t, r.dy, r.y));
-        mask ok = p->alive & NE(r.dz, splat(0.0)) & GE(t, splat(0.0)) & ~(ours & EQ(left_face, lsplat(4L + i)))
+        mask ok = met & NE(r.dz, splat(0.0)) & GE(t, splat(0.0))
             & LE(fmax(x, y), wide) & GE(fmax(x, y), row[8] - reach);
-        const mask starts = on & ok;
-        search->doubtful |= starts;
-        if (search->careful && ANY(starts)) {
-            real nx, ny, nz;
-            turn_${cls.suffix}(row, splat(0.0), splat(0.0), splat(1.0), &nx, &ny, &nz);
-            ok &= ~on | crosses(search, p, starts, WITH_FACE(code, 4L + i), nx, ny, nz, r.dz, -off * r.dz);
-        }
+${starts("4L + i", "LE(fabs(off), about) & LE(around, about + row[3]) & GE(around, row[8] - about)", "-off", "r.dz",
+         "splat(0.0)", "splat(0.0)", "splat(1.0)")}
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);
         face = SEL(closer, lsplat(4L + i), face);
@@ -80,7 +93,8 @@ FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, 
 // A wall met within rounding of a plate: the height of the hit moved off the plate, to the side that
 // the ray is on.  That is the side of the plate it left, if it comes from there, and else where it
 // comes from.
-FN real beside_plates_${cls.suffix}(const scene_t *scene, lint row, const packet_t *p, lint code, real x, real y, real z) {
+FN real beside_plates_${cls.suffix}(const scene_t *scene, lint row, const packet_t *p, const hit_t *h, real x, real y, real z) {
+    const lint code = h->code;
     const real length = gather(scene->geometry + 6, row), plates = gather(scene->geometry + 7, row);
     const real i = clamp(rint(z * (plates + 1.0) / length), splat(1.0), fmax(plates, splat(1.0)));
     const real at = length * i / (plates + 1.0);
@@ -88,7 +102,12 @@ FN real beside_plates_${cls.suffix}(const scene_t *scene, lint row, const packet
     const mask near = LT(FACE_OF(code), lsplat(4L)) & GT(plates, splat(0.0)) & LT(fabs(z - at), 0.5 * room);
     __global const double *w = scene->geometry + ROW_FRAME + 6;
     const real dz = dot3(p->dx, p->dy, p->dz, gather(w, row), gather(w + 1, row), gather(w + 2, row));
-    const mask left_it = EQ(p->left >> 2, WITH_FACE(WITHOUT_FACE(code), TO_LINT(i) + 3L));
-    const mask above = SEL(left_it, NE(p->left & 2L, lsplat(0L)), LT(dz, splat(0.0)));
+    const lint plate = WITH_FACE(WITHOUT_FACE(code), TO_LINT(i) + 3L);
+    mask above = SEL(EQ(p->left >> 2, plate), NE(p->left & 2L, lsplat(0L)), LT(dz, splat(0.0)));
+% if "contact" in effects:
+    mask below;
+    const mask known = known_side(&h->noted, near, plate, &below);
+    above = SEL(known & NE(p->left >> 2, plate), ~below, above);
+% endif
     return SEL(near, at + SEL(above, room, -room), z);
 }

@@ -38,6 +38,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const double scale = row[13];
     r.x *= scale; r.y *= scale; r.z *= scale;
     const real zero = splat(0.0), far = splat(INFINITY);
+    const mask nowhere = lsplat(0L);
     // the part of the ray between the apertures, rims included
     const double below = -row[14], above = row[4] + row[14];
     const real ta = (below - r.z) / r.dz, tb = (above - r.z) / r.dz;
@@ -64,16 +65,26 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         return lsplat(0L);
     }
     const profile_${cls.suffix} start = profile_at_${cls.suffix}(row, r, zero);
-    const mask on_wall = ~departed & possible & between
-        & LE(fabs(start.f), fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(8.0 * UNIT_ROUNDOFF), splat(row[14])));
-    search->doubtful |= on_wall;
-    mask starts = lsplat(0L);
-    if (search->careful && ANY(on_wall)) {
-        real x = p->ox, y = p->oy, z = p->oz, nx = zero, ny = zero, nz = zero;
-        normal_${cls.suffix}(scene, lsplat(code), on_wall, x, y, z, &nx, &ny, &nz);
-        // at an edge a ray that goes outwards hits the wall, one that goes inwards leaves it behind
-        starts = crosses(search, p, on_wall, code, nx, ny, nz, -start.slope, start.slope);
+    const real near = fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(8.0 * UNIT_ROUNDOFF), splat(row[14]));
+    mask on_wall = LE(fabs(start.f), near), starts = nowhere;
+% if "contact" in effects:
+    const mask beside = ~departed & p->alive & LE(fabs(start.f), 64.0 * near)
+        & LE(fabs(r.z - 0.5 * row[4]), 64.0 * near + 0.5 * row[4]);
+    search->doubtful |= beside;
+    on_wall = nowhere;
+    if (search->careful && ANY(beside)) {
+        real nx = zero, ny = zero, nz = zero;
+        normal_${cls.suffix}(scene, lsplat(code), beside, p->ox, p->oy, p->oz, &nx, &ny, &nz);
+        mask on_minus, cross;
+        on_wall = starts_on(search, p, beside, code, LE(fabs(start.f), near), -start.f / scale, near / scale, nx, ny, nz,
+                            -start.slope, &on_minus, &cross);
+        starts = on_wall & cross;
     }
+% else:
+    on_wall &= ~departed & possible & between;
+    search->doubtful |= on_wall;
+    if (search->careful && ANY(on_wall)) starts = crosses(p, on_wall, start.slope);
+% endif
     possible &= ~on_wall | starts | GT(start.slope, zero);
     const profile_${cls.suffix} enters = profile_at_${cls.suffix}(row, r, first);
     const mask inside = inside_departed | (on_wall & GT(start.slope, zero)) | (~on_wall & GE(enters.f, zero));

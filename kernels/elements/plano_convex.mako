@@ -13,6 +13,10 @@ FN bound_${cls.suffix} bound0_${cls.suffix}(__global const double *row, local_${
     q.back = splat(INFINITY);
     q.on = LE(fabs(r.z), fma(fabs(r.x) + fabs(r.y), splat(row[9]), splat(row[7])));
     q.in = up;
+% if "contact" in effects:
+    q.height = -r.z;
+    q.near = fma(fabs(r.x) + fabs(r.y), splat(row[9]), splat(row[7]));
+% endif
     return q;
 }
 FN bound_${cls.suffix} bound1_${cls.suffix}(__global const double *row, local_${cls.suffix} r) {

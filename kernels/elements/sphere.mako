@@ -49,22 +49,20 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         mask ok1 = GE(t1, splat(0.0)), ok2 = GE(t2, splat(0.0));
         mask on_surface = LE(fabs(c), splat(row[7])) & free_lanes;
 % if "contact" in effects:
-        // as for flat faces, see flat.mako
         const mask beside = LE(fabs(c), splat(64.0 * row[7])) & free_lanes;
 % else:
         const mask beside = on_surface;
 % endif
         search->doubtful |= beside;
         if (search->careful && ANY(beside)) {
-            const real k = splat(row[5]);
 % if "contact" in effects:
-            const mask goes_minus = GT(b, splat(0.0)), below = LT(c, splat(0.0));
-            const mask on_minus = side_of(search, p, beside, code, GT(fabs(c), splat(16.0 * row[7])), below, on_surface,
-                                          16.0 * row[7] * k, fx * k, fy * k, fz * k, -b);
-            const mask cross = NE(p->left, lsplat(NO_FACE)) & (on_minus ^ goes_minus);
-            on_surface |= beside & (on_minus ^ below);
+            // c is 2 R times the height over the sphere
+            const real k = splat(row[5]), height = 0.5 * c * k, near = splat(0.5 * row[7]) * k;
+            mask on_minus, cross;
+            on_surface = starts_on(search, p, beside, code, on_surface, height, near, fx * k, fy * k, fz * k, -b,
+                                   &on_minus, &cross);
 % else:
-            const mask cross = crosses(search, p, on_surface, code, fx * k, fy * k, fz * k, -b, splat(0.0));
+            const mask cross = crosses(p, on_surface, splat(0.0));
 % endif
             const real chord = 2.0 * b;
             t1 = SEL(on_surface, splat(0.0), t1);

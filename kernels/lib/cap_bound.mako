@@ -10,5 +10,9 @@ FN bound_${cls.suffix} cap_bound_${cls.suffix}(__global const double *row, local
     q.back = 2.0 * fabs(b);
     q.on = LE(fabs(c), fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(2.0 * radius * row[9]), splat(2.0 * radius * row[7])));
     q.in = LT(b, splat(0.0));
+% if "contact" in effects:
+    q.height = c * (0.5 / radius);
+    q.near = fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(row[9]), splat(row[7]));
+% endif
     return q;
 }

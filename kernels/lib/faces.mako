@@ -10,26 +10,33 @@
 // - Where that says nothing (the edges of two faces), the sign of the distance decides.
 % if "contact" in effects:
 //
-// What is found here is noted for the next search: seven faces in order, so that the order of the
-// search does not matter, and in the lowest place, by `turn_page`, the face that the ray left.
+// What is found here is noted for the next search: ${4 * note_words - 1} faces in order, so that the
+// order of the search does not matter, and in the lowest place, by `turn_page`, the face that the ray
+// left.
 #define SLOT_BITS 16
 #define NO_SLOT 0xFFFFL
 // Element and face in 15 bits, over whether it is on the + side.  The first 2048 elements have numbers
 // of their own; the multiple keeps apart those that a scene made of rows of 2^n would bring together.
-// NO_SLOT is none of them.
+// Of a tube's plates (faces from 4 on) those eight apart share one.  NO_SLOT is none of them.
 #define SLOT_KEY(x) (((x) & 0x7FFFL) - ((((x) & 0x7FFFL) + 1L) >> 15))
-#define SLOT_OF(element, face) (SLOT_KEY((((element) + ((element) >> 11) * 1109L) << 4) + (face)) << 1)
+#define SLOT_FACE(face) SEL(LT(face, lsplat(4L)), face, ((face) & 7L) + 4L)
+#define SLOT_OF(element, face) (SLOT_KEY((((element) + ((element) >> 11) * 1109L) << 4) + SLOT_FACE(face)) << 1)
 
-// The lanes of m that are known to be on one side of a face; on_minus: whether that is the - side.
-FN mask remembers(const packet_t *p, mask m, long code, mask *on_minus) {
-    const long slot = SLOT_OF(ELEMENT_OF(code), FACE_OF(code));
+// The lanes of m that a list of notes knows to be on one side of a face; on_minus: whether that is the
+// - side.
+FN mask known_side(const notes_t *notes, mask m, lint code, mask *on_minus) {
+    const lint slot = SLOT_OF(ELEMENT_OF(code), FACE_OF(code));
     mask here = lsplat(0L);
     *on_minus = here;
     for (int k = 0; k < 64; k += SLOT_BITS) {
-        const lint one = p->before >> k & NO_SLOT, other = p->earlier >> k & NO_SLOT;
-        const mask minus = EQ(one, lsplat(slot)) | EQ(other, lsplat(slot));
-        *on_minus |= minus;
-        here |= minus | EQ(one, lsplat(slot | 1L)) | EQ(other, lsplat(slot | 1L));
+% for n in range(note_words):
+        {
+            const lint one = notes->word${n} >> k & NO_SLOT;
+            const mask minus = EQ(one, slot);
+            *on_minus |= minus;
+            here |= minus | EQ(one, slot | 1L);
+        }
+% endfor
     }
     return here & m;
 }
@@ -48,14 +55,19 @@ FN lint put_slot(lint *word, int k, lint slot) {
 
 FN void note(search_t *search, mask m, long code, mask on_minus) {
     const lint slot = SLOT_OF(ELEMENT_OF(code), FACE_OF(code)) | (~on_minus & 1L);
-    put_slot(&search->noted_before, SLOT_BITS, put_slot(&search->noted, 0, SEL(m, slot, lsplat(NO_SLOT))));
+    lint rest = SEL(m, slot, lsplat(NO_SLOT));
+% for n in range(note_words):
+    rest = put_slot(&search->noted.word${n}, ${"SLOT_BITS" if n == note_words - 1 else 0}, rest);
+% endfor
 }
 
 // What was noted becomes what is remembered.
 FN void turn_page(packet_t *p, const hit_t *h) {
     const lint slot = SLOT_OF(p->left >> 34, p->left >> 18 & 0xFFFFL) | (p->left >> 1 & 1L);
-    p->before = (h->noted_before & ~NO_SLOT) | SEL(EQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
-    p->earlier = h->noted;
+% for n in range(note_words - 1):
+    p->note${n} = h->noted.word${n};
+% endfor
+    p->note${note_words - 1} = (h->noted.word${note_words - 1} & ~NO_SLOT) | SEL(EQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
 }
 
 // The lanes of m that are on the - side of a face, which is noted.  below: what the sign of the
@@ -71,21 +83,34 @@ FN mask side_of(search_t *search, const packet_t *p, mask m, long code, mask sur
     mask is_minus = SEL(leaves, LT(d_n, splat(0.0)), below);
     is_minus = SEL(GT(fabs(came), slack), GT(came, splat(0.0)), is_minus);
     is_minus = SEL(sure, below, is_minus);
+    notes_t notes;
+% for n in range(note_words):
+    notes.word${n} = p->note${n};
+% endfor
     mask was_minus;
-    const mask known = remembers(p, m, code, &was_minus);
+    const mask known = known_side(&notes, m, lsplat(code), &was_minus);
     is_minus = SEL(known, was_minus, is_minus);
     note(search, m, code, is_minus);
     return m & is_minus;
 }
-% endif
 
-FN mask crosses(search_t *search, const packet_t *p, mask m, long code, real nx, real ny, real nz,
-                real d_n, real h_d) {
-    const mask hit = m & NE(p->left, lsplat(NO_FACE));
-% if "contact" in effects:
-    const mask goes_minus = LT(d_n, splat(0.0)), below = LE(h_d, splat(0.0)) ^ goes_minus;
-    return hit & (side_of(search, p, m, code, lsplat(0L), below, lsplat(-1L), splat(0.0), nx, ny, nz, d_n) ^ goes_minus);
-% else:
-    return hit & LE(h_d, splat(0.0));
-% endif
+// The lanes of `beside` that start on a face, whatever their distance from it says: those within its
+// rounding, and those that are known to be on the other side than their distance says.
+// beside: within 64 times the rounding, so that a ray is either known to be on one side of the face
+// or has come so far to it that its way there says on which.  on: within the rounding.  height: over
+// the face, on the + side.  minus: whether the ray is on the - side; crosses: whether it hits the face.
+FN mask starts_on(search_t *search, const packet_t *p, mask beside, long code, mask on, real height, real near,
+                  real nx, real ny, real nz, real d_n, mask *minus, mask *crosses) {
+    const mask below = LT(height, splat(0.0)), goes_minus = LT(d_n, splat(0.0));
+    const mask on_minus = side_of(search, p, beside, code, GT(fabs(height), 16.0 * near), below, on, 32.0 * near,
+                                  nx, ny, nz, d_n);
+    *minus = on_minus;
+    *crosses = NE(p->left, lsplat(NO_FACE)) & (on_minus ^ goes_minus);
+    return beside & (on | (on_minus ^ below));
 }
+% else:
+
+FN mask crosses(const packet_t *p, mask m, real h_d) {
+    return m & NE(p->left, lsplat(NO_FACE)) & LE(h_d, splat(0.0));
+}
+% endif

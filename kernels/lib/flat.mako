@@ -36,37 +36,27 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     *fx = fabs(u);
     *fy = fabs(v);
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
-<%def name="normal()">
-% if a is None:
-        const real nx = splat(f[6]), ny = splat(f[7]), nz = splat(f[8]);
-% else:
-        const real n${names[a]} = sign, n${names[(a + 1) % 3]} = splat(0.0), n${names[(a + 2) % 3]} = splat(0.0);
-% endif
-</%def>
 % if "contact" in effects:
-    // What is noted of a face is farther away than what is asked for, so that a ray is either known
-    // to be on one side of it or has come so far to it that its way there says on which.
     mask beside = LE(fabs(h), 64.0 * near) & ~departed & p->alive;
     real at_u = u, at_v = v;
     if (ANY(beside)) beside &= about_${cls.suffix}(row, &at_u, &at_v);
     mask starts_here = lsplat(0L);
     search->doubtful |= beside;
     if (search->careful && ANY(beside)) {
-${normal()}
-        const mask goes_minus = LT(dh * sign, splat(0.0)), below = LT(h * sign, splat(0.0));
-        const mask on_minus = side_of(search, p, beside, code, GT(fabs(h), 16.0 * near), below, on_plane, 32.0 * near,
-                                      nx, ny, nz, dh * sign);
-        starts_here = beside & (on_plane | (on_minus ^ below));
+% if a is None:
+        const real nx = splat(f[6]), ny = splat(f[7]), nz = splat(f[8]);
+% else:
+        const real n${names[a]} = sign, n${names[(a + 1) % 3]} = splat(0.0), n${names[(a + 2) % 3]} = splat(0.0);
+% endif
+        mask on_minus, cross;
+        starts_here = starts_on(search, p, beside, code, on_plane, h * sign, near, nx, ny, nz, dh * sign, &on_minus, &cross);
         t = SEL(starts_here, splat(0.0), t);
-        ok = SEL(starts_here, NE(dh, splat(0.0)) & NE(p->left, lsplat(NO_FACE)) & (on_minus ^ goes_minus), ok);
+        ok = SEL(starts_here, cross & NE(dh, splat(0.0)), ok);
     }
 % else:
     const mask starts_here = on_plane & ok;
     search->doubtful |= starts_here;
-    if (search->careful && ANY(starts_here)) {
-${normal()}
-        ok &= ~on_plane | crosses(search, p, starts_here, code, nx, ny, nz, dh * sign, h * dh);
-    }
+    if (search->careful && ANY(starts_here)) ok &= ~on_plane | crosses(p, starts_here, h * dh);
 % endif
 % if "contact" in effects:
     // a ray that goes through the plane where it starts hits the face, if it is this near its edge

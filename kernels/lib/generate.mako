@@ -35,8 +35,9 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
     p->w = SEL(m, w, p->w);
     p->left = SEL(m, lsplat(NO_FACE), p->left);
 % if "contact" in effects:
-    p->before = SEL(m, lsplat(NO_FACE), p->before);
-    p->earlier = SEL(m, lsplat(NO_FACE), p->earlier);
+% for n in range(note_words):
+    p->note${n} = SEL(m, lsplat(NO_FACE), p->note${n});
+% endfor
     p->came_x = SEL(m, splat(0.0), p->came_x);
     p->came_y = SEL(m, splat(0.0), p->came_y);
     p->came_z = SEL(m, splat(0.0), p->came_z);

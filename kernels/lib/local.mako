@@ -43,7 +43,7 @@ FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, 
                         real *nx, real *ny, real *nz);
 
 % if cls.kind == "baffled_tube":
-FN real beside_plates_${cls.suffix}(const scene_t *scene, lint row, const packet_t *p, lint code, real x, real y, real z);
+FN real beside_plates_${cls.suffix}(const scene_t *scene, lint row, const packet_t *p, const hit_t *h, real x, real y, real z);
 % endif
 
 // The hit point put back onto its face, and the normal, for the lanes in m.
@@ -53,7 +53,7 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     real x, y, z, nx, ny, nz, wx, wy, wz;
     gather_local_${cls.suffix}(scene, row, c->x, c->y, c->z, &x, &y, &z);
 % if cls.kind == "baffled_tube":
-    z = beside_plates_${cls.suffix}(scene, row, p, h->code, x, y, z);
+    z = beside_plates_${cls.suffix}(scene, row, p, h, x, y, z);
 % endif
     shape_${cls.suffix}(scene, row, FACE_OF(h->code), &x, &y, &z, &nx, &ny, &nz);
     scatter_local_${cls.suffix}(scene, row, x, y, z, &wx, &wy, &wz);

@@ -113,7 +113,9 @@ FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
     for (search.careful = 0; search.careful < 2; search.careful++) {
         search.doubtful = lsplat(0L);
 % if "contact" in effects:
-        search.noted_before = search.noted = lsplat(-1L);
+% for n in range(note_words):
+        search.noted.word${n} = lsplat(-1L);
+% endfor
 % endif
         h->t = splat(INFINITY);
         h->code = lsplat(LONG_MAX);
@@ -123,7 +125,6 @@ FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
         if (!ANY(search.doubtful)) break;
     }
 % if "contact" in effects:
-    h->noted_before = search.noted_before;
     h->noted = search.noted;
 % endif
     h->found = p->alive & LT(h->t, splat(INFINITY));

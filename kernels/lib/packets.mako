@@ -7,13 +7,13 @@ ${item_struct}
 // A ray in every lane.  Weights are relative to the heaviest launched ray of the scene.
 // left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
 // or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
-// before, earlier: the faces within rounding of where it started last, with the side of each that it
-// was on (faces.mako).  came: the last segment that had a length.
+// note: the faces within rounding of where it started last, with the side of each that it was on
+// (faces.mako).  came: the last segment that had a length.
 typedef struct {
     real ox, oy, oz, dx, dy, dz, w;
     lint left;
 % if "contact" in effects:
-    lint before, earlier;
+    lint ${", ".join(f"note{n}" for n in range(note_words))};
     real came_x, came_y, came_z;
 % endif
     word ray_lo, ray_hi, generation;
@@ -34,10 +34,15 @@ typedef struct {
     __global const long *codes;         // classes' bounds, elements' codes by class, materials' rows
 } scene_t;
 
+% if "contact" in effects:
+// Faces and the side of each that a ray is on, four to a word (faces.mako).
+typedef struct { lint ${", ".join(f"word{n}" for n in range(note_words))}; } notes_t;
+
+% endif
 // code: element number << 32 | face << 16 | has a detector << 12 | surface kind << 8 | normal points
 // down its axis << 7 | element class.  plane: the coordinate of a flat face across an axis.  edge: it
-// was met within rounding of its edge.  noted, noted_before: the faces within rounding of the ray's
-// start, which it will remember (faces.mako).
+// was met within rounding of its edge.  noted: the faces within rounding of the ray's start, which it
+// will remember.
 typedef struct {
     real t;
     lint code;
@@ -45,7 +50,7 @@ typedef struct {
     real plane;
     mask edge;
 % if "contact" in effects:
-    lint noted_before, noted;
+    notes_t noted;
 % endif
 } hit_t;
 
@@ -82,14 +87,15 @@ typedef struct {
     int careful;
     mask doubtful;
 % if "contact" in effects:
-    lint noted_before, noted;
+    notes_t noted;
 % endif
 } search_t;
 
 // In faces.mako; the elements' functions call them.
-FN mask crosses(search_t *search, const packet_t *p, mask m, long code, real nx, real ny, real nz,
-                real d_n, real h_d);
 % if "contact" in effects:
-FN mask side_of(search_t *search, const packet_t *p, mask m, long code, mask sure, mask below, mask vague,
-                real slack, real nx, real ny, real nz, real d_n);
+FN mask starts_on(search_t *search, const packet_t *p, mask beside, long code, mask on, real height, real near,
+                  real nx, real ny, real nz, real d_n, mask *minus, mask *crosses);
+FN mask known_side(const notes_t *notes, mask m, lint code, mask *on_minus);
+% else:
+FN mask crosses(const packet_t *p, mask m, real h_d);
 % endif

@@ -5,7 +5,14 @@
 //
 // lo, hi: the interval inside each bound.  on: the origin is within rounding of that bound's surface.
 // back: where a ray that starts on that bound's surface going in comes to it again.
-typedef struct { real lo, hi, back; mask on, in; } bound_${cls.suffix};
+// height: of the origin over that surface, on its outside, and `near` the rounding of that.
+typedef struct {
+    real lo, hi, back;
+    mask on, in;
+% if "contact" in effects:
+    real height, near;
+% endif
+} bound_${cls.suffix};
 
 FN bound_${cls.suffix} bound0_${cls.suffix}(__global const double *row, local_${cls.suffix} r);
 FN bound_${cls.suffix} bound1_${cls.suffix}(__global const double *row, local_${cls.suffix} r);
@@ -19,25 +26,53 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const mask left0 = ours & EQ(FACE_OF(left), lsplat(0L));
     const mask left1 = ours & ~left0;
     const mask inside = ours & EQ(p->left & 2L, lsplat(0L));
-    // the origin on faces that were not left: decided by `crosses`, and if it is not hit the ray is
-    // as if it had left them
+    // the origin on faces that were not left: if they are not hit there, the ray is as if it had left
+    // them
+    mask starts0 = lsplat(0L), starts1 = lsplat(0L);
+% if "contact" in effects:
+    const mask beside0 = LE(fabs(q0.height), 64.0 * q0.near) & LE(q1.height, 64.0 * q1.near) & ~left0 & p->alive;
+    const mask beside1 = LE(fabs(q1.height), 64.0 * q1.near) & LE(q0.height, 64.0 * q0.near) & ~left1 & p->alive;
+    mask on0 = lsplat(0L), on1 = lsplat(0L);
+    search->doubtful |= beside0 | beside1;
+    if (search->careful && ANY(beside0 | beside1)) {
+        mask minus0, minus1, cross;
+% for n in (0, 1):
+        mask goes_minus${n};
+        {
+            real nx, ny, nz, x = r.x, y = r.y, z = r.z, wx, wy, wz;
+            shape_${cls.suffix}(scene, lsplat(ELEMENT_OF(code) * ROW), lsplat(${n}L), &x, &y, &z, &nx, &ny, &nz);
+            turn_${cls.suffix}(row, nx, ny, nz, &wx, &wy, &wz);
+            const real d_n = dot3(p->dx, p->dy, p->dz, wx, wy, wz);
+            goes_minus${n} = LT(d_n, splat(0.0));
+            // inside it is on the inside of all its faces
+            const real height = SEL(inside, -64.0 * q${n}.near, q${n}.height);
+            on${n} = ~ours & starts_on(search, p, beside${n}, WITH_FACE(code, ${n}L), LE(fabs(height), q${n}.near), height,
+                                       q${n}.near, wx, wy, wz, d_n, &minus${n}, &cross);
+        }
+% endfor
+        // it hits the solid where it goes from its outside to its inside or back
+        const mask was_in = (minus0 | ~on0) & (minus1 | ~on1), is_in = (goes_minus0 | ~on0) & (goes_minus1 | ~on1);
+        const mask hits = (on0 | on1) & (was_in ^ is_in) & NE(p->left, lsplat(NO_FACE));
+        starts0 = hits & on0 & (minus0 ^ goes_minus0);
+        starts1 = hits & on1 & (minus1 ^ goes_minus1);
+    }
+% else:
     const mask within0 = q0.on | (LE(q0.lo, splat(0.0)) & GE(q0.hi, splat(0.0)));
     const mask within1 = q1.on | (LE(q1.lo, splat(0.0)) & GE(q1.hi, splat(0.0)));
     const mask on0 = q0.on & within1 & ~ours & p->alive, on1 = q1.on & within0 & ~ours & p->alive;
     search->doubtful |= on0 | on1;
-    mask starts0 = lsplat(0L), starts1 = lsplat(0L);
     if (search->careful && ANY(on0 | on1)) {
 % for n in (0, 1):
         {
             real nx, ny, nz, x = r.x, y = r.y, z = r.z, wx, wy, wz;
             shape_${cls.suffix}(scene, lsplat(ELEMENT_OF(code) * ROW), lsplat(${n}L), &x, &y, &z, &nx, &ny, &nz);
             turn_${cls.suffix}(row, nx, ny, nz, &wx, &wy, &wz);
-            const real d_n = dot3(p->dx, p->dy, p->dz, wx, wy, wz);
             // at an edge a ray that goes in hits the face, one that goes out leaves it behind
-            starts${n} = crosses(search, p, on${n}, WITH_FACE(code, ${n}L), wx, wy, wz, d_n, d_n);
+            starts${n} = crosses(p, on${n}, dot3(p->dx, p->dy, p->dz, wx, wy, wz));
         }
 % endfor
     }
+% endif
     const mask begins0 = left0 | on0, begins1 = left1 | on1;
     const mask goes_in = SEL(ours, inside, (q0.in | ~on0) & (q1.in | ~on1));
     const real out0 = SEL(begins0, q0.back, SEL(inside, fmax(q0.hi, splat(0.0)), q0.hi));

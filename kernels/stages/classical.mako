@@ -56,8 +56,7 @@ __kernel void intersect_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, __global double 
         const lint at = queue_place(&queue, i);
         const lint code = SEL(hit.found, (hit.code << 1) | (hit.edge & 1L), lsplat(-1L));
 % if "contact" in effects:
-        __global long *before = queue.longs + ${queue_long.index("before")} * field;
-        __global long *earlier = queue.longs + ${queue_long.index("earlier")} * field;
+        __global long *notes = queue.longs + ${queue_long.index("note0")} * field;
 % endif
 % for l in range(lanes):
         if (${lane("p.alive", l)}) {
@@ -66,8 +65,9 @@ __kernel void intersect_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, __global double 
             hit_codes[${lane("at", l)}] = ${lane("code", l)};
 % if "contact" in effects:
             // the search before is over: its notes make room for this one's
-            before[${lane("at", l)}] = ${lane("hit.noted_before", l)};
-            earlier[${lane("at", l)}] = ${lane("hit.noted", l)};
+% for n in range(note_words):
+            notes[${n} * field + ${lane("at", l)}] = ${lane(f"hit.noted.word{n}", l)};
+% endfor
 % endif
         }
 % endfor
@@ -106,8 +106,9 @@ __kernel void shade_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
         hit.edge = -(code & 1L);
         hit.code = code >> 1;
 % if "contact" in effects:
-        hit.noted_before = p.before;
-        hit.noted = p.earlier;
+% for n in range(note_words):
+        hit.noted.word${n} = p.note${n};
+% endfor
 % endif
         ending_t end;
         shade(launch, &scene, &p, &hit, &ledger, &end, &child);
