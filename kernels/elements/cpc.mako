@@ -40,10 +40,12 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real zero = splat(0.0), far = splat(INFINITY);
     const mask nowhere = lsplat(0L);
     // the part of the ray between the apertures, rims included
-    const double below = -row[14], above = row[4] + row[14];
+    const real size = fabs(r.x) + fabs(r.y) + fabs(r.z);
+    const real room = fma(size, splat(4.0 * UNIT_ROUNDOFF), splat(fma(row[4], 8.0 * UNIT_ROUNDOFF, row[14])));
+    const real below = -room, above = room + row[4];
     const real ta = (below - r.z) / r.dz, tb = (above - r.z) / r.dz;
     const mask along = EQ(r.dz, zero);
-    const mask between = GE(r.z, splat(below)) & LE(r.z, splat(above));
+    const mask between = GE(r.z, below) & LE(r.z, above);
     real first = SEL(along, SEL(between, zero, far), fmax(fmin(ta, tb), zero));
     real last = SEL(along, SEL(between, far, -far), fmax(ta, tb));
     // and inside the cylinder around it
@@ -55,6 +57,8 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real u0 = q / aa, u1 = SEL(EQ(q, zero), zero, cc / q);
     const mask meets = SEL(axial, LE(cc, zero), GE(fma(bb, bb, -aa * cc), zero));
     first = SEL(axial, first, fmax(first, fmin(u0, u1)));
+    // where it leaves the cylinder first it leaves through the wall, whatever the rounding there says
+    const mask by_aperture = axial | LE(last, fmax(u0, u1));
     last = SEL(axial, last, fmin(last, fmax(u0, u1)));
     const mask departed = EQ(left, lsplat(code));
     const mask inside_departed = departed & EQ(p->left & 2L, lsplat(0L));
@@ -65,7 +69,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         return lsplat(0L);
     }
     const profile_${cls.suffix} start = profile_at_${cls.suffix}(row, r, zero);
-    const real near = fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(8.0 * UNIT_ROUNDOFF), splat(row[14]));
+    const real near = fma(size, splat(8.0 * UNIT_ROUNDOFF), splat(row[14]));
     mask on_wall = LE(fabs(start.f), near), starts = nowhere;
 % if "contact" in effects:
     const mask beside = ~departed & p->alive & LE(fabs(start.f), 64.0 * near)
@@ -97,7 +101,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         const profile_${cls.suffix} g = profile_at_${cls.suffix}(row, r, t);
         const mask reached = GE(g.f, zero);
         // reached at the first step from inside: it leaves through an aperture
-        ok &= ~(active & inside & reached & lsplat(step == 0 ? -1L : 0L) & GT(g.f, zero));
+        ok &= ~(active & inside & by_aperture & reached & lsplat(step == 0 ? -1L : 0L) & GT(g.f, zero));
         // the wrong slope from outside: it passes by
         const mask passes = active & ~inside & ~reached & LE(g.slope, zero);
         ok &= ~passes;
