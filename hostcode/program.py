@@ -28,7 +28,6 @@ __all__ = [
     "OPTIONS",
     "ROW_FRAME",
     "ROW_STRIDE",
-    "NOTE_WORDS",
     "SOURCE_STRIDE",
     "TREE_STACK",
     "TREE_WIDTH",
@@ -52,8 +51,6 @@ TREE_WIDTH: Final = 8
 """Children of a node of the tree of boxes."""
 TREE_STACK: Final = 169
 """Places of the search's stack: seven stay behind at each of up to 24 levels, and one."""
-NOTE_WORDS: Final = 2
-"""Words in which a ray remembers the faces around where it started, four faces to a word."""
 
 OPTIONS: Final[tuple[str, ...]] = ("-cl-std=CL1.2",)
 """Build options; no ``-cl-*-math`` option may ever stand here."""
@@ -138,6 +135,8 @@ class ProgramSpec:
     effects: frozenset[str]
     n_elements: int
     """Number of elements where the ledger is kept in registers, else 0."""
+    note_words: int = 0
+    """Words in which a ray remembers the faces around where it started, four faces to a word."""
     lanes: int = 1
     interleaved: bool = False
     private_tallies: bool = False
@@ -174,7 +173,7 @@ class ProgramSpec:
         long = ["left"]
         if "contact" in self.effects:
             real += ["came_x", "came_y", "came_z"]
-            long += [f"note{n}" for n in range(NOTE_WORDS)]
+            long += [f"note{n}" for n in range(self.note_words)]
         if "splitting" in self.effects:
             long.append("path")
         word = ("ray_lo", "ray_hi", "generation")
@@ -205,7 +204,7 @@ def program_source(spec: ProgramSpec) -> str:
         "row_frame": ROW_FRAME,
         "material_stride": MATERIAL_STRIDE,
         "source_stride": SOURCE_STRIDE,
-        "note_words": NOTE_WORDS,
+        "note_words": spec.note_words,
         "tree_width": TREE_WIDTH,
         "tree_stack": TREE_STACK,
         "launch_struct": c_struct("launch_t", LAUNCH),

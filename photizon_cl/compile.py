@@ -11,7 +11,7 @@ import numpy as np
 from hostcode.program import MAX_REGISTER_ELEMENTS, ProgramSpec, SourceKind
 from hostcode.tables import DeviceTables
 from hostcode.tally import image
-from photizon_cl.contact import in_contact
+from photizon_cl.contact import in_contact, note_words
 from photizon_cl.edges import azimuth_edges, even_edges
 from photizon_cl.errors import ArgumentError
 from photizon_cl.layout import DetectorCells, TallyLayout, lay_out
@@ -167,6 +167,7 @@ def compile_scene(
         surfaces=surfaces,
         sources=sources,
         effects=frozenset(effects & _COMPILED),
+        note_words=note_words(scene.element) if "contact" in effects else 0,
         n_elements=len(scene.element) if in_registers else 0,
     )
     tables = DeviceTables(

@@ -47,6 +47,7 @@ class BaffledTube(Element):
     family: ClassVar[str] = "walls"
     has_map: ClassVar[bool] = False
     default_side: ClassVar[str] = "inside"
+    faces_at_a_point: ClassVar[int] = 3
 
     half_width: float = field(metadata=positive_length("half the side of the section"))
     length: float = field(metadata=positive_length("length"))

@@ -43,6 +43,8 @@ class Element(Described):
     """How the kernels see it: ``flat``, ``sphere``, ``solid`` or ``walls``."""
     flat: ClassVar[bool] = False
     """Whether a detector's side is set by the normal alone."""
+    faces_at_a_point: ClassVar[int] = 1
+    """How many of its faces may meet at one point."""
     has_map: ClassVar[bool]
     """Whether a detector may have a map."""
     default_side: ClassVar[str] = "front"

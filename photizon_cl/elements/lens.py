@@ -24,6 +24,7 @@ class Lens(Element):
     family: ClassVar[str] = "solid"
     has_map: ClassVar[bool] = False
     default_side: ClassVar[str] = "outside"
+    faces_at_a_point: ClassVar[int] = 2
     radii: ClassVar[tuple[str, ...]] = ()
     """Names of its parameters that are radii of curvature."""
 

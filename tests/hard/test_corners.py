@@ -71,6 +71,16 @@ def walls(kind: str, low: Any, high: Any, tilt: Any, surface: Any, r: Any) -> Ch
             ends[n][0][a], ends[n][1][a] = at[n], at[n + 1]
         elements = [w for lo, hi in ends for w in room(lo.tolist(), hi.tolist(), tilt, surface)]
         low_end, high_end = ends[1]
+    elif kind.startswith("eight cells"):
+        ends = np.array([low, cut, high])
+        cells = [np.array([k >> a & 1 for a in range(3)]) for k in range(8)]
+        axes = np.arange(3)
+        corners = [(ends[c, axes].tolist(), ends[c + 1, axes].tolist()) for c in cells]
+        elements = [w for lo, hi in corners for w in room(lo, hi, tilt, surface)]
+        if kind == "eight cells with common walls":
+            elements = list({w.position: w for w in elements}.values())
+        elements = [elements[n] for n in r.permutation(len(elements))]
+        low_end, high_end = low, cut
     else:  # a box in the corner of a box; the rays are in the inner one
         elements = outer + list(room(cut.tolist(), high.tolist(), tilt, surface))
         low_end, high_end = cut, high
@@ -94,6 +104,8 @@ KINDS = [
     "walls of two pieces",
     "a row of touching boxes",
     "a box in a box",
+    "eight cells with common walls",
+    "eight cells of six walls each",
 ]
 
 
