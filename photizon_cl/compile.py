@@ -29,6 +29,7 @@ from photizon_cl.packing import (
     surface_kinds,
 )
 from photizon_cl.tree import BREAK_EVEN
+from photizon_cl.wedges import edge_factors
 
 if TYPE_CHECKING:
     from photizon_cl.scene import Scene
@@ -120,14 +121,17 @@ def compile_scene(
 
     number = {surface.kind: surface.number for surface in surfaces}
     one_by_one = element_codes(scene, class_of, number)
-    geometry = geometry_table(scene, class_of, shift)
+    factors = edge_factors(scene.element)
+    geometry = geometry_table(scene, class_of, shift, factors)
     few = len(scene.element) < BREAK_EVEN and "acceleration" not in effects
     if few if accelerate is None else not (accelerate and scene.element):
         effects -= {"acceleration"}
         codes = codes_by_class(one_by_one, len(classes), len(classes) + 1)
     else:
         effects |= {"acceleration"}
-        codes, geometry = add_tree(scene, shift, one_by_one, len(classes), geometry)
+        codes, geometry = add_tree(
+            scene, shift, factors, one_by_one, len(classes), geometry
+        )
     launch: dict[str, Any] = {
         "seed": settings.seed,
         "rays_per_batch": settings.rays_per_batch,

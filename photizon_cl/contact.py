@@ -14,19 +14,16 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.elements import Sphere
+from photizon_cl.neighbours import neighbours, room_for_rounding
 from photizon_cl.tree import world_boxes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from photizon_cl.elements import Element
 
 __all__ = ["in_contact", "note_words"]
 
-_ROOM: Final = 2.0**-40
-"""Distance at which faces count as touching, relative to the elements' size and position."""
 _PAIRS: Final = 300
 """More elements than this are taken to touch, rather than look at every pair."""
 _WORDS: Final = (2, 4, 6)
@@ -43,9 +40,13 @@ def in_contact(elements: Sequence[Element]) -> bool:
         return True
     if len(elements) < 2:
         return False
-    near, room = _neighbours(elements)
+    boxes = world_boxes(elements, (0.0, 0.0, 0.0))
+    room = room_for_rounding(boxes)
+    first, second = neighbours(boxes, room)
     return any(
-        _touch(elements[i], elements[j], room) for i, j in np.argwhere(np.triu(near, 1)).tolist()
+        _touch(elements[i], elements[j], room)
+        for i, j in zip(first.tolist(), second.tolist(), strict=True)
+        if i < j
     )
 
 
@@ -56,17 +57,11 @@ def note_words(elements: Sequence[Element]) -> int:
     """
     if len(elements) > _PAIRS:
         return _WORDS[-1]
-    near, _ = _neighbours(elements)
-    faces = near @ np.array([e.faces_at_a_point for e in elements])
-    return next((n for n in _WORDS if 4 * n >= faces.max(initial=0)), _WORDS[-1])
-
-
-def _neighbours(elements: Sequence[Element]) -> tuple[NDArray[np.bool_], float]:
-    """Return which elements' boxes meet, each its own among them, and the room they were given."""
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
-    room = _ROOM * float(np.max(np.abs(boxes), initial=0.0))
-    below = (boxes[:, None, :3] <= boxes[None, :, 3:] + room).all(axis=2)
-    return below & below.T, room
+    first, second = neighbours(boxes, room_for_rounding(boxes))
+    own = np.array([e.faces_at_a_point for e in elements])
+    faces = own + np.bincount(first, own[second], len(elements))
+    return next((n for n in _WORDS if 4 * n >= faces.max()), _WORDS[-1])
 
 
 def _touch(a: Element, b: Element, room: float) -> bool:

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 __all__ = ["engine_digest"]
 
-_MODULES: Final = ("compile", "contact", "edges", "frames", "layout", "packing", "statistics")
+_MODULES: Final = (
+    "compile", "contact", "edges", "frames", "layout", "neighbours", "packing", "statistics", "wedges",
+)  # fmt: skip
 _PACKAGES: Final = ("detectors", "elements", "sources", "surfaces")
 
 

@@ -37,8 +37,20 @@ _DEEPEST: Final = (TREE_STACK - 1) // (TREE_WIDTH - 1)
 """Levels for which the kernels' stack has room."""
 
 
-def world_boxes(elements: Sequence[Element], shift: Vec3) -> NDArray[np.float64]:
+def world_boxes(
+    elements: Sequence[Element], shift: Vec3, at_edges: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
     """Return each element's box in the device's coordinates.
+
+    Parameters
+    ----------
+    elements : sequence of Element
+        At least one.
+    shift : tuple of float
+        Taken off every position, in metres.
+    at_edges : ndarray, shape (n,), float64, optional
+        Factors of the bounds at the elements' edges, the larger of the two that
+        `photizon_cl.wedges.edge_factors` returns; default all 1.
 
     Returns
     -------
@@ -54,7 +66,11 @@ def world_boxes(elements: Sequence[Element], shift: Vec3) -> NDArray[np.float64]
     half = np.einsum("nij,ni->nj", np.abs(frames), 0.5 * (high - low))
     # faces count as hit, or are noted, within some roundings of the positions as given: up to 64
     # times the bounds in `geometry_table` (kernels/lib/flat.mako)
-    half += 2.0**-42 * np.max(np.abs(positions), axis=1, keepdims=True)
+    far = np.max(np.abs(positions), axis=1, keepdims=True)
+    half += 2.0**-42 * far
+    if at_edges is not None:
+        size = np.max(high - low, axis=1, keepdims=True)
+        half += 2.0**-43 * (far + size) * (at_edges[:, None] - 1.0)
     return np.concatenate((centres + middle - half, centres + middle + half), axis=1)
 
 

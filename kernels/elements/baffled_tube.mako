@@ -33,7 +33,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real wide = reach + row[4];
     const real low = -near, high = near + row[6];
 % if "contact" in effects:
-    const real about = 64.0 * near, around = fmax(fabs(r.x), fabs(r.y));
+    const real about = 128.0 * near, around = fmax(fabs(r.x), fabs(r.y));
     const double middle = 0.5 * row[6];
 % endif
     real best = splat(INFINITY);
@@ -47,7 +47,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         mask ok = met & NE(r.d${w}, splat(0.0)) & GE(t, splat(0.0))
             & LE(fabs(fma(t, r.d${o}, r.${o})), wide)
             & GE(fma(t, r.dz, r.z), low) & LE(fma(t, r.dz, r.z), high);
-${starts(f"{n}L", "LE(fabs(off), about) & LE(fabs(r.%s), about + row[3]) & LE(fabs(r.z - middle), about + middle)" % o,
+${starts(f"{n}L", "LE(fabs(off), 64.0 * near) & LE(fabs(r.%s), about + row[3]) & LE(fabs(r.z - middle), about + middle)" % o,
          f"off * {-sign}.0", f"r.d{w} * {sign}.0", *(f"splat({sign}.0)" if v == w else "splat(0.0)" for v in "xyz"))}
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);
@@ -63,7 +63,7 @@ ${starts(f"{n}L", "LE(fabs(off), about) & LE(fabs(r.%s), about + row[3]) & LE(fa
         const real x = fabs(fma(t, r.dx, r.x)), y = fabs(fma(t, r.dy, r.y));
         mask ok = met & NE(r.dz, splat(0.0)) & GE(t, splat(0.0))
             & LE(fmax(x, y), wide) & GE(fmax(x, y), row[8] - reach);
-${starts("4L + i", "LE(fabs(off), about) & LE(around, about + row[3]) & GE(around, row[8] - about)", "-off", "r.dz",
+${starts("4L + i", "LE(fabs(off), 64.0 * near) & LE(around, about + row[3]) & GE(around, row[8] - about)", "-off", "r.dz",
          "splat(0.0)", "splat(0.0)", "splat(1.0)")}
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);

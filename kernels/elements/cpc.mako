@@ -73,7 +73,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     mask on_wall = LE(fabs(start.f), near), starts = nowhere;
 % if "contact" in effects:
     const mask beside = ~departed & p->alive & LE(fabs(start.f), 64.0 * near)
-        & LE(fabs(r.z - 0.5 * row[4]), 64.0 * near + 0.5 * row[4]);
+        & LE(fabs(r.z - 0.5 * row[4]), 128.0 * near + 0.5 * row[4]);
     search->doubtful |= beside;
     on_wall = nowhere;
     if (search->careful && ANY(beside)) {

@@ -6,11 +6,13 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
                        search_t *search, real *t_out, real *x, real *y, real *fx, real *fy);
 
 % if "contact" in effects:
-// Whether a point of the plane is in the rectangle or as near as what is put back onto it may be;
-// such a point is moved into it.
-FN mask about_${cls.suffix}(__global const double *row, real *x, real *y) {
+// Whether a point within 64 times `near` of the plane is in the rectangle, or so little outside that
+// it may be on a face that meets it at the edge; such a point is moved into it.
+FN mask about_${cls.suffix}(__global const double *row, real near, real *x, real *y) {
     const double hx = row[3], hy = row[4];
-    const mask about = LE(fabs(*x), splat(fma(2.0, hx - row[5], hx))) & LE(fabs(*y), splat(fma(2.0, hy - row[6], hy)));
+    const real aside = row[10] * near;
+    const mask about = LE(fabs(*x), hx + fmax(aside, splat(2.0 * (hx - row[5]))))
+                     & LE(fabs(*y), hy + fmax(aside, splat(2.0 * (hy - row[6]))));
     *x = clamp(*x, splat(-hx), splat(hx));
     *y = clamp(*y, splat(-hy), splat(hy));
     return about;

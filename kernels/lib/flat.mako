@@ -6,7 +6,8 @@
 // ${cls.kind}, ${"tilted" if a is None else "perpendicular to " + names[a]}.
 // Row: 0-2 centre, 3-4 half sizes with their rounding bound, 5-6 half sizes less that bound,
 // 7 rounding bound of the plane, 8 sign of the normal along its axis, 9 what a tilted plane adds to
-// that for each metre from its centre, 15-23 frame.
+// that for each metre from its centre, 10 how far beside its edge a face that meets it there may be,
+// in that bound, 15-23 frame.
 //
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
 // rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.
@@ -39,7 +40,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
 % if "contact" in effects:
     mask beside = LE(fabs(h), 64.0 * near) & ~departed & p->alive;
     real at_u = u, at_v = v;
-    if (ANY(beside)) beside &= about_${cls.suffix}(row, &at_u, &at_v);
+    if (ANY(beside)) beside &= about_${cls.suffix}(row, near, &at_u, &at_v);
     mask starts_here = lsplat(0L);
     search->doubtful |= beside;
     if (search->careful && ANY(beside)) {

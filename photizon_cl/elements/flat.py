@@ -40,11 +40,14 @@ class Flat(Element):
         u, v = self.half_sizes
         return (-u, -v, 0.0), (u, v, 0.0)
 
-    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+    def packed(
+        self, centre: Vec3, axis: int | None, at_edges: float = 1.0, beside: float = 1.0
+    ) -> tuple[float, ...]:
         """Return the half sizes with their rounding bounds, see ``kernels/lib/flat.mako``.
 
         The bounds are what the rounding of a hit point's coordinates can amount to: a few units
-        in the last place of the element's size and distance from the origin.
+        in the last place of the element's size and distance from the origin, and `at_edges` times
+        that at its edges; what stands 64 of them over it may be `beside` times 128 aside of it.
         """
         far = max(map(abs, centre))
         half = self.half_sizes
@@ -54,13 +57,14 @@ class Flat(Element):
         # A tilted face's coordinates are sums of products with a rounded frame. A point put back
         # within `inner` lies on the right side of a face that shares the edge, whatever rounding.
         grows, shrinks = (4.0, 2.0) if axis is not None else (8.0, 16.0)
-        outer = [h + grows * _ROUNDOFF * (h + far) for h in half]
-        inner = [h - shrinks * _ROUNDOFF * (h + far) for h in half]
+        room = [at_edges * _ROUNDOFF * (h + far) for h in half]
+        outer = [h + grows * r for h, r in zip(half, room, strict=True)]
+        inner = [max(h - shrinks * r, 0.5 * h) for h, r in zip(half, room, strict=True)]
         # what comes to this plane on another face has crossed about as much as this one's size
         plane = far if axis is None else abs(centre[axis]) + max(half)
         sign = -1.0 if axis_index(self.axis) % 2 else 1.0
         # a tilted plane's rounding grows with the distance from its centre
-        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign, 4.0 * _ROUNDOFF)
+        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign, 4.0 * _ROUNDOFF, 128.0 * beside)
 
     def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
         """Return edges in metres along u and along v over the bounding rectangle."""

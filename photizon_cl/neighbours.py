@@ -1,0 +1,85 @@
+"""Which elements stand so near each other that their boxes meet."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from photizon_cl.tree import build_tree
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["neighbours", "room_for_rounding"]
+
+_DENSE: Final = 1000
+"""Up to this many boxes each is compared with each."""
+_AT_ONCE: Final = 4096
+"""Boxes sought in the tree at once, which bounds the memory."""
+_ROOM: Final = 2.0**-40
+"""Distance at which elements count as touching, relative to the scene's farthest coordinate."""
+
+
+def room_for_rounding(boxes: NDArray[np.float64]) -> float:
+    """Return the distance in metres at which elements with these boxes count as touching."""
+    return _ROOM * float(np.max(np.abs(boxes), initial=0.0))
+
+
+def neighbours(
+    boxes: NDArray[np.float64], room: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the ordered pairs of different boxes that meet or are no farther apart than `room`.
+
+    Parameters
+    ----------
+    boxes : ndarray, shape (n, 6), float64
+        Low and high corners in metres.
+    room : float
+        In metres.
+
+    Returns
+    -------
+    first, second : ndarray, shape (pairs,), int64
+        Both (i, j) and (j, i) are among them, in the order of i and then of j.
+    """
+    n = len(boxes)
+    if n <= _DENSE:
+        near = (boxes[:, None, :3] <= boxes[None, :, 3:] + room).all(axis=2)
+        near &= near.T
+        np.fill_diagonal(near, val=False)
+        first, second = np.nonzero(near)
+        return first, second
+    nodes, children = build_tree(boxes)
+    found = [
+        _seek(boxes, np.arange(start, min(start + _AT_ONCE, n)), room, nodes, children)
+        for start in range(0, n, _AT_ONCE)
+    ]
+    first, second = (np.concatenate(part) for part in zip(*found, strict=True))
+    return first, second
+
+
+def _seek(
+    boxes: NDArray[np.float64],
+    sought: NDArray[np.int64],
+    room: float,
+    nodes: NDArray[np.float64],
+    children: NDArray[np.int64],
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the pairs of some boxes with any, down the tree a level at a time."""
+    low, high = boxes[:, :3, None] - room, boxes[:, 3:, None] + room
+    pairs = [np.empty((2, 0), np.int64)]
+    node = np.zeros(len(sought), np.int64)
+    while len(sought):
+        at = nodes[node]
+        met = (at[:, :3] <= high[sought]).all(axis=1) & (at[:, 3:] >= low[sought]).all(axis=1)
+        which, child = np.nonzero(met)
+        sought, link = sought[which], children[node[which], child]
+        leaf = link >= 0
+        pairs.append(np.array([sought[leaf], link[leaf]]))
+        sought, node = sought[~leaf], ~link[~leaf]
+    first, second = np.concatenate(pairs, axis=1)
+    other = first != second
+    first, second = first[other], second[other]
+    order = np.lexsort((second, first))
+    return first[order], second[order]
