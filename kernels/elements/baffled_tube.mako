@@ -4,9 +4,10 @@
 // number i + 1 at z = L (i + 1)/(N + 1) (normal along the axis).
 // Row: 0-2 centre of the entrance, 3 h, 4 h with its rounding bound, 5 h less that bound, 6 L, 7 N,
 // 8 half hole less its rounding bound, 9 rounding bound of a coordinate, 15-23 frame.
-<%def name="starts(face, beside, height, speed, nx, ny, nz)">
+<%def name="starts(face, within, height, speed, nx, ny, nz)">
 % if "contact" in effects:
-        const mask beside = met & ${beside};
+        // noted from farther beside the face than it is hit from, as for flat faces
+        const mask beside = met & LE(fabs(off), 64.0 * near) & ${within("128.0 * near")};
         search->doubtful |= beside;
         if (search->careful && ANY(beside)) {
             real nx, ny, nz;
@@ -15,7 +16,7 @@
             const mask here = starts_on(search, p, beside, WITH_FACE(code, ${face}), on, ${height}, near, nx, ny, nz, ${speed},
                                         &on_minus, &cross);
             t = SEL(here, splat(0.0), t);
-            ok = SEL(here, cross & NE(${speed}, splat(0.0)), ok);
+            ok = SEL(here, cross & NE(${speed}, splat(0.0)) & ${within("8.0 * near")}, ok);
         }
 % else:
         const mask here = on & ok;
@@ -33,7 +34,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real wide = reach + row[4];
     const real low = -near, high = near + row[6];
 % if "contact" in effects:
-    const real about = 128.0 * near, around = fmax(fabs(r.x), fabs(r.y));
+    const real around = fmax(fabs(r.x), fabs(r.y));
     const double middle = 0.5 * row[6];
 % endif
     real best = splat(INFINITY);
@@ -47,7 +48,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         mask ok = met & NE(r.d${w}, splat(0.0)) & GE(t, splat(0.0))
             & LE(fabs(fma(t, r.d${o}, r.${o})), wide)
             & GE(fma(t, r.dz, r.z), low) & LE(fma(t, r.dz, r.z), high);
-${starts(f"{n}L", "LE(fabs(off), 64.0 * near) & LE(fabs(r.%s), about + row[3]) & LE(fabs(r.z - middle), about + middle)" % o,
+${starts(f"{n}L", lambda m: f"LE(fabs(r.{o}), {m} + row[3]) & LE(fabs(r.z - middle), {m} + middle)",
          f"off * {-sign}.0", f"r.d{w} * {sign}.0", *(f"splat({sign}.0)" if v == w else "splat(0.0)" for v in "xyz"))}
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);
@@ -63,7 +64,7 @@ ${starts(f"{n}L", "LE(fabs(off), 64.0 * near) & LE(fabs(r.%s), about + row[3]) &
         const real x = fabs(fma(t, r.dx, r.x)), y = fabs(fma(t, r.dy, r.y));
         mask ok = met & NE(r.dz, splat(0.0)) & GE(t, splat(0.0))
             & LE(fmax(x, y), wide) & GE(fmax(x, y), row[8] - reach);
-${starts("4L + i", "LE(fabs(off), 64.0 * near) & LE(around, about + row[3]) & GE(around, row[8] - about)", "-off", "r.dz",
+${starts("4L + i", lambda m: f"LE(around, {m} + row[3]) & GE(around, row[8] - {m})", "-off", "r.dz",
          "splat(0.0)", "splat(0.0)", "splat(1.0)")}
         const mask closer = ok & LT(t, best);
         best = SEL(closer, t, best);

@@ -82,7 +82,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         mask on_minus, cross;
         on_wall = starts_on(search, p, beside, code, LE(fabs(start.f), near), -start.f / scale, near / scale, nx, ny, nz,
                             -start.slope, &on_minus, &cross);
-        starts = on_wall & cross;
+        starts = on_wall & cross & between;
     }
 % else:
     on_wall &= ~departed & possible & between;

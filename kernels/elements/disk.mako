@@ -7,13 +7,15 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
 
 % if "contact" in effects:
 // Whether a point within 64 times `near` of the plane is in the disk, or so little outside that it
-// may be on a face that meets it at the rim; such a point is moved into it.
+// may be on a face that meets it at the rim.  One as near as what is put back onto the disk may be is
+// moved into it.
 FN mask about_${cls.suffix}(__global const double *row, real near, real *x, real *y) {
     const real r = sqrt(fma(*x, *x, *y * *y));
-    const real k = SEL(GT(r, splat(row[3])), row[3] / r, splat(1.0));
+    const mask in = LE(r, splat(fma(2.0, row[3] - row[5], row[3])));
+    const real k = SEL(in & GT(r, splat(row[3])), row[3] / r, splat(1.0));
     *x *= k;
     *y *= k;
-    return LE(r, row[3] + fmax(row[10] * near, splat(2.0 * (row[3] - row[5]))));
+    return in | LE(r, row[3] + row[10] * near);
 }
 % endif
 

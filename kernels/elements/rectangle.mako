@@ -7,15 +7,16 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
 
 % if "contact" in effects:
 // Whether a point within 64 times `near` of the plane is in the rectangle, or so little outside that
-// it may be on a face that meets it at the edge; such a point is moved into it.
+// it may be on a face that meets it at the edge.  One as near as what is put back onto the rectangle
+// may be is moved into it.
 FN mask about_${cls.suffix}(__global const double *row, real near, real *x, real *y) {
-    const double hx = row[3], hy = row[4];
-    const real aside = row[10] * near;
-    const mask about = LE(fabs(*x), hx + fmax(aside, splat(2.0 * (hx - row[5]))))
-                     & LE(fabs(*y), hy + fmax(aside, splat(2.0 * (hy - row[6]))));
-    *x = clamp(*x, splat(-hx), splat(hx));
-    *y = clamp(*y, splat(-hy), splat(hy));
-    return about;
+    const real hx = splat(row[3]), hy = splat(row[4]);
+    const real kx = splat(fma(2.0, row[3] - row[5], row[3])), ky = splat(fma(2.0, row[4] - row[6], row[4]));
+    const real ax = fabs(*x), ay = fabs(*y), aside = row[10] * near;
+    const mask in = LE(ax, kx) & LE(ay, ky);
+    *x = SEL(in, clamp(*x, -hx, hx), *x);
+    *y = SEL(in, clamp(*y, -hy, hy), *y);
+    return in | (LE(ax, hx + aside) & LE(ay, hy + aside));
 }
 % endif
 

@@ -51,10 +51,16 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         }
 % endfor
         // it hits the solid where it goes from its outside to its inside or back
-        const mask was_in = (minus0 | ~on0) & (minus1 | ~on1), is_in = (goes_minus0 | ~on0) & (goes_minus1 | ~on1);
+        const mask in0 = LE(q0.height, splat(0.0)), in1 = LE(q1.height, splat(0.0));
+        const mask was_in = SEL(on0, minus0, in0) & SEL(on1, minus1, in1);
+        const mask is_in = SEL(on0, goes_minus0, in0) & SEL(on1, goes_minus1, in1);
         const mask hits = (on0 | on1) & (was_in ^ is_in) & NE(p->left, lsplat(NO_FACE));
         starts0 = hits & on0 & (minus0 ^ goes_minus0);
         starts1 = hits & on1 & (minus1 ^ goes_minus1);
+        // beside the rim it is on one face's surface and outside of the other's
+        const mask out0 = ~on0 & ~in0, out1 = ~on1 & ~in1;
+        on0 &= ~out1;
+        on1 &= ~out0;
     }
 % else:
     const mask within0 = q0.on | (LE(q0.lo, splat(0.0)) & GE(q0.hi, splat(0.0)));
