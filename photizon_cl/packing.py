@@ -119,13 +119,13 @@ def codes_by_class(codes: list[int], n_classes: int, first: int) -> list[int]:
 def add_tree(
     scene: Scene,
     shift: Vec3,
-    factors: tuple[NDArray[np.float64], NDArray[np.float64]],
+    factors: NDArray[np.float64],
     codes: list[int],
     n_classes: int,
     geometry: NDArray[np.float64],
 ) -> tuple[list[int], NDArray[np.float64]]:
     """Return codes and geometry with a tree of boxes, see ``kernels/effects/acceleration.mako``."""
-    boxes = world_boxes(scene.element, shift, np.maximum(*factors))
+    boxes = world_boxes(scene.element, shift, factors)
     nodes, children = build_tree(boxes)
     table = codes_by_class(codes, n_classes, n_classes + 2)
     # a node begins at a whole vector of eight; the scene's size stands before the first
@@ -140,18 +140,18 @@ def geometry_table(
     scene: Scene,
     class_of: list[ElementClass],
     shift: tuple[float, float, float],
-    factors: tuple[NDArray[np.float64], NDArray[np.float64]],
+    factors: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Return the elements' rows: centre, what their class packs, frame."""
     table = np.zeros((len(scene.element), ROW_STRIDE))
-    rows = zip(table, scene.element, class_of, *(f.tolist() for f in factors), strict=True)
-    for row, element, cls, at_edges, beside in rows:
+    rows = zip(table, scene.element, class_of, factors.tolist(), strict=True)
+    for row, element, cls, at_edges in rows:
         x, y, z = centre = _from_shift(element.position, shift)
         # Two elements that share an edge agree on it only to the rounding of the positions that
         # they were given: rounding bounds follow those, however near the recentred scene is.
         ax, ay, az = (max(abs(c), abs(q)) for c, q in zip(centre, element.position, strict=True))
         if isinstance(element, Flat):
-            packed = element.packed((ax, ay, az), cls.axis, at_edges, beside)
+            packed = element.packed((ax, ay, az), cls.axis, at_edges)
         else:
             packed = element.packed((ax, ay, az), cls.axis)
         row[0:3] = x, y, z

@@ -49,8 +49,8 @@ def world_boxes(
     shift : tuple of float
         Taken off every position, in metres.
     at_edges : ndarray, shape (n,), float64, optional
-        Factors of the bounds at the elements' edges, the larger of the two that
-        `photizon_cl.wedges.edge_factors` returns; default all 1.
+        Factors of the bounds at the elements' edges, from `photizon_cl.wedges.edge_factors`;
+        default all 1.
 
     Returns
     -------

@@ -1,10 +1,10 @@
-"""How much room for rounding the edges of flat elements need where they close a sharp wedge.
+"""How much room for rounding the edges of flat elements need where they meet at a small angle.
 
 Two faces that share an edge agree on where it is only to the rounding of their positions, δ. Where
-they meet at an angle α a ray between them finds no gap if each goes on beyond its edge by about
-δ/sin α, and a point put back onto one of them is on the right side of the other if it stays as far
-within. The kernels' bounds hold for angles from 30° on (gated); for sharper ones they are multiplied
-by what is found here.
+they meet at an angle α, or π − α, a ray between them finds no gap if each goes on beyond its edge by
+about δ/sin α, and a point put back onto one of them is on the right side of the other if it stays as
+far within. The kernels' bounds hold for sin α ≥ 1/2 (gated); for less they are multiplied by what is
+found here.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _AT_ONCE: Final = 1 << 16
 """Pairs looked at at once, which bounds the memory."""
 
 
-def edge_factors(elements: Sequence[Element]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def edge_factors(elements: Sequence[Element]) -> NDArray[np.float64]:
     """Return by how much each element's bounds at its edges are to be multiplied.
 
     Parameters
@@ -42,31 +42,29 @@ def edge_factors(elements: Sequence[Element]) -> tuple[NDArray[np.float64], NDAr
 
     Returns
     -------
-    at_edges : ndarray, shape (n,), float64
-        1/sin α of the sharpest wedge below 30° that a rectangle closes with a plane face on which
-        one of its edges lies, or a disk with the sphere on which its rim lies; else 1.
-    beside : ndarray, shape (n,), float64
-        Half of 1/sin of the angle between them, wedge or not, where that is more than 1; else 1.
+    ndarray, shape (n,), float64
+        1/sin of the smallest angle that a rectangle makes with a plane face on which one of its edges
+        lies, or a disk with the sphere on which its rim lies, where that is more than 2; else 1.
     """
-    at_edges, beside = np.ones((2, len(elements)))
+    factors = np.ones(len(elements))
     tilted = np.array([e.tilt_deg != (0.0, 0.0) for e in elements], bool)
     rims = np.array([isinstance(e, Disk) for e in elements], bool)
     balls = np.array([isinstance(e, Sphere) for e in elements], bool)
     # faces along the axes meet at right angles
     if not (tilted.any() or (rims.any() and balls.any())):
-        return at_edges, beside
+        return factors
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
     room = room_for_rounding(boxes)
     first, second = neighbours(boxes, room)
     sides = np.array([isinstance(e, Rectangle) for e in elements], bool)
     plane = np.array([e.flat or isinstance(e, BaffledTube) for e in elements], bool)
-    wedge = sides[first] & plane[second] & (tilted[first] | tilted[second])
-    _sharpen_edges(at_edges, beside, elements, first[wedge], second[wedge], room)
+    angle = sides[first] & plane[second] & (tilted[first] | tilted[second])
+    _sharpen_edges(factors, elements, first[angle], second[angle], room)
     on_ball = rims[first] & balls[second]
     for i, j in zip(first[on_ball].tolist(), second[on_ball].tolist(), strict=True):
-        sine = _rim_on_ball(elements[i], elements[j], room)
-        at_edges[i], beside[i] = max(at_edges[i], _factor(sine)), max(beside[i], 0.5 / sine)
-    return at_edges, beside
+        factors[i] = max(factors[i], 1.0 / _rim_on_ball(elements[i], elements[j], room))
+    factors[factors < 1.0 / _SHARP] = 1.0
+    return factors
 
 
 def _rim_on_ball(disk: Element, ball: Element, room: float) -> float:
@@ -81,16 +79,11 @@ def _rim_on_ball(disk: Element, ball: Element, room: float) -> float:
     return min(sine, 1.0) if on else 1.0
 
 
-def _factor(sine: float) -> float:
-    return 1.0 / sine if sine < _SHARP else 1.0
-
-
 # -- plane faces ---------------------------------------------------------------------------------
 
 
 def _sharpen_edges(
-    at_edges: NDArray[np.float64],
-    beside: NDArray[np.float64],
+    factors: NDArray[np.float64],
     elements: Sequence[Element],
     first: NDArray[np.int64],
     second: NDArray[np.int64],
@@ -108,9 +101,8 @@ def _sharpen_edges(
     other = np.repeat(begin[second], many) + within
     for start in range(0, len(one), _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
-        wedge, angle = _sharpest(table[begin[one[part]]], table[other[part]], room)
-        np.maximum.at(at_edges, one[part], np.where(wedge < _SHARP, 1.0 / wedge, 1.0))
-        np.maximum.at(beside, one[part], 0.5 / angle)
+        sine = _sharpest(table[begin[one[part]]], table[other[part]], room)
+        np.maximum.at(factors, one[part], 1.0 / sine)
 
 
 def _faces(element: Element) -> list[list[float]]:
@@ -136,29 +128,22 @@ def _faces(element: Element) -> list[list[float]]:
 
 def _sharpest(
     a: NDArray[np.float64], b: NDArray[np.float64], room: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the least sines of wedges, and of all angles, that rectangles' edges make, else 1."""
+) -> NDArray[np.float64]:
+    """Return the least sine of the angles at which edges of rectangles end on faces, else 1."""
     centre, half = a[:, :3], a[:, 12:14]
     normal = b[:, 9:12]
-    wedge, angle = np.ones((2, len(a)))
+    sine = np.ones(len(a))
     for along, across in ((0, 1), (1, 0)):
         e, f = a[:, 3 + 3 * along : 6 + 3 * along], a[:, 3 + 3 * across : 6 + 3 * across]
         for sign in (1.0, -1.0):
             edge = centre + sign * half[:, along, None] * e - b[:, :3]
             height = _dot(edge, normal)
             slope = half[:, across] * np.abs(_dot(f, normal))
-            into = -sign * e
-            rise = _dot(into, normal)
-            flush = 2.0 * half[:, along] * np.abs(rise) <= room
-            # the face goes on from the edge to the side on which the rectangle stands over it
-            toward = into - rise[:, None] * normal
-            reach = np.abs(_dot(b[:, 3:6], toward)) * b[:, 12]
-            reach += np.abs(_dot(b[:, 6:9], toward)) * b[:, 13]
-            ends = (np.abs(height) + slope <= room) & ~flush
-            angle = np.minimum(angle, np.where(ends, np.abs(rise), 1.0))
-            ends &= reach - _dot(edge, toward) > room
-            wedge = np.minimum(wedge, np.where(ends, np.abs(rise), 1.0))
-    return wedge, angle
+            rise = np.abs(_dot(e, normal))
+            # the edge lies in the face's plane, and not the whole rectangle
+            ends = (np.abs(height) + slope <= room) & (2.0 * half[:, along] * rise > room)
+            sine = np.minimum(sine, np.where(ends, rise, 1.0))
+    return sine
 
 
 def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -41,13 +41,13 @@ class Flat(Element):
         return (-u, -v, 0.0), (u, v, 0.0)
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: float = 1.0, beside: float = 1.0
+        self, centre: Vec3, axis: int | None, at_edges: float = 1.0
     ) -> tuple[float, ...]:
         """Return the half sizes with their rounding bounds, see ``kernels/lib/flat.mako``.
 
         The bounds are what the rounding of a hit point's coordinates can amount to: a few units
         in the last place of the element's size and distance from the origin, and `at_edges` times
-        that at its edges; what stands 64 of them over it may be `beside` times 128 aside of it.
+        that at its edges.
         """
         far = max(map(abs, centre))
         half = self.half_sizes
@@ -64,7 +64,9 @@ class Flat(Element):
         plane = far if axis is None else abs(centre[axis]) + max(half)
         sign = -1.0 if axis_index(self.axis) % 2 else 1.0
         # a tilted plane's rounding grows with the distance from its centre
-        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign, 4.0 * _ROUNDOFF, 128.0 * beside)
+        # a point of a face that meets this one at its edge, 64 of the plane's bounds over it
+        aside = 64.0 * max(at_edges, 2.0)
+        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign, 4.0 * _ROUNDOFF, aside)
 
     def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
         """Return edges in metres along u and along v over the bounding rectangle."""
