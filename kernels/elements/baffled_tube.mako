@@ -7,16 +7,16 @@
 <%def name="starts(face, within, height, speed, nx, ny, nz)">
 % if "contact" in effects:
         // noted from farther beside the face than it is hit from, as for flat faces
-        const mask beside = met & LE(fabs(off), 64.0 * near) & ${within("128.0 * near")};
+        const mask beside = met & LE(fabs(off), 64.0 * most) & ${within("128.0 * most")};
         search->doubtful |= beside;
         if (search->careful && ANY(beside)) {
             real nx, ny, nz;
             turn_${cls.suffix}(row, ${nx}, ${ny}, ${nz}, &nx, &ny, &nz);
             mask on_minus, cross;
-            const mask here = starts_on(search, p, beside, WITH_FACE(code, ${face}), on, ${height}, near, nx, ny, nz, ${speed},
+            const mask here = starts_on(search, p, beside, WITH_FACE(code, ${face}), on, ${height}, most, nx, ny, nz, ${speed},
                                         &on_minus, &cross);
             t = SEL(here, splat(0.0), t);
-            ok = SEL(here, cross & NE(${speed}, splat(0.0)) & ${within("8.0 * near")}, ok);
+            ok = SEL(here, cross & NE(${speed}, splat(0.0)) & ${within("8.0 * most")}, ok);
         }
 % else:
         const mask here = on & ok;
@@ -34,7 +34,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real wide = reach + row[4];
     const real low = -near, high = near + row[6];
 % if "contact" in effects:
-    const real around = fmax(fabs(r.x), fabs(r.y));
+    const real most = splat(fma(2.0 * row[3] + row[6], 4.0 * UNIT_ROUNDOFF, row[9])), around = fmax(fabs(r.x), fabs(r.y));
     const double middle = 0.5 * row[6];
 % endif
     real best = splat(INFINITY);

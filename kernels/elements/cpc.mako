@@ -72,15 +72,16 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real near = fma(size, splat(8.0 * UNIT_ROUNDOFF), splat(row[14]));
     mask on_wall = LE(fabs(start.f), near), starts = nowhere;
 % if "contact" in effects:
-    const mask beside = ~departed & p->alive & LE(fabs(start.f), 64.0 * near)
-        & LE(fabs(r.z - 0.5 * row[4]), 128.0 * near + 0.5 * row[4]);
+    const double most = fma(2.0 * row[12] + row[4], 8.0 * UNIT_ROUNDOFF, row[14]);
+    const mask beside = ~departed & p->alive & LE(fabs(start.f), splat(64.0 * most))
+        & LE(fabs(r.z - 0.5 * row[4]), splat(128.0 * most + 0.5 * row[4]));
     search->doubtful |= beside;
     on_wall = nowhere;
     if (search->careful && ANY(beside)) {
         real nx = zero, ny = zero, nz = zero;
         normal_${cls.suffix}(scene, lsplat(code), beside, p->ox, p->oy, p->oz, &nx, &ny, &nz);
         mask on_minus, cross;
-        on_wall = starts_on(search, p, beside, code, LE(fabs(start.f), near), -start.f / scale, near / scale, nx, ny, nz,
+        on_wall = starts_on(search, p, beside, code, LE(fabs(start.f), near), -start.f / scale, splat(most / scale), nx, ny, nz,
                             -start.slope, &on_minus, &cross);
         starts = on_wall & cross & between;
     }

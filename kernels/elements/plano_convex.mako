@@ -15,7 +15,7 @@ FN bound_${cls.suffix} bound0_${cls.suffix}(__global const double *row, local_${
     q.in = up;
 % if "contact" in effects:
     q.height = -r.z;
-    q.near = fma(fabs(r.x) + fabs(r.y), splat(row[9]), splat(row[7]));
+    q.near = splat(fma(4.0 * row[3], row[9], row[7]));
 % endif
     return q;
 }

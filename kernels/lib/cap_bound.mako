@@ -12,7 +12,7 @@ FN bound_${cls.suffix} cap_bound_${cls.suffix}(__global const double *row, local
     q.in = LT(b, splat(0.0));
 % if "contact" in effects:
     q.height = c * (0.5 / radius);
-    q.near = fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(row[9]), splat(row[7]));
+    q.near = splat(fma(4.0 * row[3], row[9], row[7]));
 % endif
     return q;
 }

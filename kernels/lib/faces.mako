@@ -98,7 +98,8 @@ FN mask side_of(search_t *search, const packet_t *p, mask m, long code, mask sur
 // rounding, and those that are known to be on the other side than their distance says.
 // beside: within 64 times the rounding, so that a ray is either known to be on one side of the face
 // or has come so far to it that its way there says on which.  on: within the rounding.  height: over
-// the face, on the + side.  minus: whether the ray is on the - side; crosses: whether it hits the face.
+// the face, on the + side.  near: the rounding, the same all over the face.  minus: whether the ray is
+// on the - side; crosses: whether it hits the face.
 FN mask starts_on(search_t *search, const packet_t *p, mask beside, long code, mask on, real height, real near,
                   real nx, real ny, real nz, real d_n, mask *minus, mask *crosses) {
     const mask below = LT(height, splat(0.0)), goes_minus = LT(d_n, splat(0.0));

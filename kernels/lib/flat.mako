@@ -38,9 +38,10 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     *fy = fabs(v);
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
 % if "contact" in effects:
-    mask beside = LE(fabs(h), 64.0 * near) & ~departed & p->alive;
+    const real most = splat(${"fma(row[3] + row[4], row[9], row[7])" if a is None else "row[7]"});
+    mask beside = LE(fabs(h), 64.0 * most) & ~departed & p->alive;
     real at_u = u, at_v = v;
-    if (ANY(beside)) beside &= about_${cls.suffix}(row, near, &at_u, &at_v);
+    if (ANY(beside)) beside &= about_${cls.suffix}(row, most, &at_u, &at_v);
     mask starts_here = lsplat(0L);
     search->doubtful |= beside;
     if (search->careful && ANY(beside)) {
@@ -50,7 +51,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
         const real n${names[a]} = sign, n${names[(a + 1) % 3]} = splat(0.0), n${names[(a + 2) % 3]} = splat(0.0);
 % endif
         mask on_minus, cross;
-        starts_here = starts_on(search, p, beside, code, on_plane, h * sign, near, nx, ny, nz, dh * sign, &on_minus, &cross);
+        starts_here = starts_on(search, p, beside, code, on_plane, h * sign, most, nx, ny, nz, dh * sign, &on_minus, &cross);
         t = SEL(starts_here, splat(0.0), t);
         ok = SEL(starts_here, cross & NE(dh, splat(0.0)), ok);
     }

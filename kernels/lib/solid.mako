@@ -5,7 +5,7 @@
 //
 // lo, hi: the interval inside each bound.  on: the origin is within rounding of that bound's surface.
 // back: where a ray that starts on that bound's surface going in comes to it again.
-// height: of the origin over that surface, on its outside, and `near` the rounding of that.
+// height: of the origin over that surface, on its outside; near: the rounding of that, at most.
 typedef struct {
     real lo, hi, back;
     mask on, in;
@@ -46,7 +46,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
             goes_minus${n} = LT(d_n, splat(0.0));
             // inside it is on the inside of all its faces
             const real height = SEL(inside, -64.0 * q${n}.near, q${n}.height);
-            on${n} = ~ours & starts_on(search, p, beside${n}, WITH_FACE(code, ${n}L), LE(fabs(height), q${n}.near), height,
+            on${n} = ~ours & starts_on(search, p, beside${n}, WITH_FACE(code, ${n}L), q${n}.on & ~inside, height,
                                        q${n}.near, wx, wy, wz, d_n, &minus${n}, &cross);
         }
 % endfor
