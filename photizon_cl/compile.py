@@ -129,9 +129,7 @@ def compile_scene(
         codes = codes_by_class(one_by_one, len(classes), len(classes) + 1)
     else:
         effects |= {"acceleration"}
-        codes, geometry = add_tree(
-            scene, shift, factors, one_by_one, len(classes), geometry
-        )
+        codes, geometry = add_tree(scene, shift, factors, one_by_one, len(classes), geometry)
     launch: dict[str, Any] = {
         "seed": settings.seed,
         "rays_per_batch": settings.rays_per_batch,

@@ -15,8 +15,16 @@ if TYPE_CHECKING:
 __all__ = ["engine_digest"]
 
 _MODULES: Final = (
-    "compile", "contact", "edges", "frames", "layout", "neighbours", "packing", "statistics", "wedges",
-)  # fmt: skip
+    "compile",
+    "contact",
+    "edges",
+    "frames",
+    "layout",
+    "neighbours",
+    "packing",
+    "statistics",
+    "wedges",
+)
 _PACKAGES: Final = ("detectors", "elements", "sources", "surfaces")
 
 

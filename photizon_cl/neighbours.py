@@ -9,14 +9,16 @@ import numpy as np
 from photizon_cl.tree import build_tree
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
 __all__ = ["neighbours", "room_for_rounding"]
 
 _DENSE: Final = 1000
 """Up to this many boxes each is compared with each."""
-_AT_ONCE: Final = 4096
-"""Boxes sought in the tree at once, which bounds the memory."""
+_AT_ONCE: Final = 1024
+"""Boxes sought in the tree at once."""
 _ROOM: Final = 2.0**-40
 """Distance at which elements count as touching, relative to the scene's farthest coordinate."""
 
@@ -26,10 +28,11 @@ def room_for_rounding(boxes: NDArray[np.float64]) -> float:
     return _ROOM * float(np.max(np.abs(boxes), initial=0.0))
 
 
-def neighbours(
-    boxes: NDArray[np.float64], room: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the ordered pairs of different boxes that meet or are no farther apart than `room`.
+Pairs = tuple["NDArray[np.int64]", "NDArray[np.int64]"]
+
+
+def neighbours(boxes: NDArray[np.float64], room: float) -> Iterator[Pairs]:
+    """Give the ordered pairs of different boxes that meet or are no farther apart than `room`.
 
     Parameters
     ----------
@@ -38,25 +41,22 @@ def neighbours(
     room : float
         In metres.
 
-    Returns
-    -------
+    Yields
+    ------
     first, second : ndarray, shape (pairs,), int64
-        Both (i, j) and (j, i) are among them, in the order of i and then of j.
+        A part of them, which bounds the memory. Both (i, j) and (j, i) are among them, in the order
+        of i and then of j.
     """
     n = len(boxes)
     if n <= _DENSE:
-        near = (boxes[:, None, :3] <= boxes[None, :, 3:] + room).all(axis=2)
-        near &= near.T
-        np.fill_diagonal(near, val=False)
-        first, second = np.nonzero(near)
-        return first, second
+        below = (boxes[:, None, :3] <= boxes[None, :, 3:] + room).all(axis=2)
+        first, second = np.nonzero(below & below.T & ~np.eye(n, dtype=bool))
+        yield first, second
+        return
     nodes, children = build_tree(boxes)
-    found = [
-        _seek(boxes, np.arange(start, min(start + _AT_ONCE, n)), room, nodes, children)
-        for start in range(0, n, _AT_ONCE)
-    ]
-    first, second = (np.concatenate(part) for part in zip(*found, strict=True))
-    return first, second
+    for start in range(0, n, _AT_ONCE):
+        sought = np.arange(start, min(start + _AT_ONCE, n))
+        yield _seek(boxes, sought, room, nodes, children)
 
 
 def _seek(
@@ -65,7 +65,7 @@ def _seek(
     room: float,
     nodes: NDArray[np.float64],
     children: NDArray[np.int64],
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+) -> Pairs:
     """Return the pairs of some boxes with any, down the tree a level at a time."""
     low, high = boxes[:, :3, None] - room, boxes[:, 3:, None] + room
     pairs = [np.empty((2, 0), np.int64)]

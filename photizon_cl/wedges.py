@@ -1,15 +1,15 @@
 """How much room for rounding the edges of flat elements need where they meet at a small angle.
 
 Two faces that share an edge agree on where it is only to the rounding of their positions, δ. Where
-they meet at an angle α, or π − α, a ray between them finds no gap if each goes on beyond its edge by
-about δ/sin α, and a point put back onto one of them is on the right side of the other if it stays as
-far within. The kernels' bounds hold for sin α ≥ 1/2 (gated); for less they are multiplied by what is
-found here.
+they meet at an angle α, or π − α, a ray between them finds no gap if each goes on beyond its edge
+by about δ/sin α, and a point put back onto one of them is on the right side of the other if it
+stays as far within. The kernels' bounds hold for sin α ≥ 1/2 (gated); for less they are multiplied
+by what is found here.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -43,26 +43,42 @@ def edge_factors(elements: Sequence[Element]) -> NDArray[np.float64]:
     Returns
     -------
     ndarray, shape (n,), float64
-        1/sin of the smallest angle that a rectangle makes with a plane face on which one of its edges
-        lies, or a disk with the sphere on which its rim lies, where that is more than 2; else 1.
+        1/sin of the smallest angle that a rectangle makes with a plane face on which one of its
+        edges lies, or a disk with the sphere on which its rim lies, if that is more than 2; else 1.
     """
     factors = np.ones(len(elements))
-    tilted = np.array([e.tilt_deg != (0.0, 0.0) for e in elements], bool)
-    rims = np.array([isinstance(e, Disk) for e in elements], bool)
-    balls = np.array([isinstance(e, Sphere) for e in elements], bool)
-    # faces along the axes meet at right angles
-    if not (tilted.any() or (rims.any() and balls.any())):
-        return factors
+    plane = [n for n, e in enumerate(elements) if e.flat or isinstance(e, BaffledTube)]
+    disks = any(isinstance(elements[n], Disk) for n in plane)
+    balls = [n for n, e in enumerate(elements) if disks and isinstance(e, Sphere)]
+    # plane faces along the axes meet at right angles
+    if balls or any(elements[n].tilt_deg != (0.0, 0.0) for n in plane):
+        # coincident elements have the same edges
+        shapes = {
+            n: (elements[n].kind, elements[n].position, elements[n].frame, elements[n].local_box)
+            for n in plane + balls
+        }
+        number = {shape: k for k, shape in enumerate(dict.fromkeys(shapes.values()))}
+        first = {shape: elements[n] for n, shape in shapes.items()}
+        found = _factors([first[shape] for shape in number])
+        factors[list(shapes)] = found[[number[shape] for shape in shapes.values()]]
+    return factors
+
+
+def _factors(elements: Sequence[Element]) -> NDArray[np.float64]:
+    factors = np.ones(len(elements))
+    tilted = np.array([e.tilt_deg != (0.0, 0.0) for e in elements])
+    sides = np.array([isinstance(e, Rectangle) for e in elements])
+    rims = np.array([isinstance(e, Disk) for e in elements])
+    balls = np.array([isinstance(e, Sphere) for e in elements])
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
     room = room_for_rounding(boxes)
-    first, second = neighbours(boxes, room)
-    sides = np.array([isinstance(e, Rectangle) for e in elements], bool)
-    plane = np.array([e.flat or isinstance(e, BaffledTube) for e in elements], bool)
-    angle = sides[first] & plane[second] & (tilted[first] | tilted[second])
-    _sharpen_edges(factors, elements, first[angle], second[angle], room)
-    on_ball = rims[first] & balls[second]
-    for i, j in zip(first[on_ball].tolist(), second[on_ball].tolist(), strict=True):
-        factors[i] = max(factors[i], 1.0 / _rim_on_ball(elements[i], elements[j], room))
+    faces = _Faces(elements)
+    for first, second in neighbours(boxes, room):
+        angle = sides[first] & ~balls[second] & (tilted[first] | tilted[second])
+        _sharpen(factors, faces, first[angle], second[angle], room)
+        on_ball = rims[first] & balls[second]
+        for i, j in zip(first[on_ball].tolist(), second[on_ball].tolist(), strict=True):
+            factors[i] = max(factors[i], 1.0 / _rim_on_ball(elements[i], elements[j], room))
     factors[factors < 1.0 / _SHARP] = 1.0
     return factors
 
@@ -82,19 +98,30 @@ def _rim_on_ball(disk: Element, ball: Element, room: float) -> float:
 # -- plane faces ---------------------------------------------------------------------------------
 
 
-def _sharpen_edges(
+class _Faces:
+    """The plane faces of elements, one after the other.
+
+    begin : ndarray, shape (n + 1,), int64
+        Where each element's begin.
+    table : ndarray, shape (faces, 14), float64
+        Centre, frame (u, v, normal), half sizes along u and v.
+    """
+
+    def __init__(self, elements: Sequence[Element]) -> None:
+        faces = [_faces(e) for e in elements]
+        self.begin = np.cumsum([0, *map(len, faces)])
+        self.table = np.array([face for group in faces for face in group]).reshape(-1, 14)
+
+
+def _sharpen(
     factors: NDArray[np.float64],
-    elements: Sequence[Element],
+    faces: _Faces,
     first: NDArray[np.int64],
     second: NDArray[np.int64],
     room: float,
 ) -> None:
     """Raise the factors of rectangles `first` by the angles they make with faces of `second`."""
-    if not len(first):
-        return
-    faces = [_faces(e) for e in elements]
-    begin = np.cumsum([0, *map(len, faces)])
-    table = np.array([face for group in faces for face in group]).reshape(-1, 14)
+    begin, table = faces.begin, faces.table
     many = begin[second + 1] - begin[second]
     one = np.repeat(first, many)
     within = np.arange(len(one)) - np.repeat(np.cumsum(many) - many, many)
@@ -106,29 +133,25 @@ def _sharpen_edges(
 
 
 def _faces(element: Element) -> list[list[float]]:
-    """Return an element's plane faces: centre, frame (u, v, normal), half sizes along u and v."""
-    frame, position = np.array(element.frame), np.array(element.position)
+    """Return an element's plane faces, as the rows of `_Faces`."""
+    found: list[tuple[Any, Any, tuple[float, float]]] = []
     if isinstance(element, BaffledTube):
-        u, v, w = frame
+        (u, v, w), position = np.array(element.frame), np.array(element.position)
         h, middle = element.half_width, 0.5 * element.length
-        found = [
+        found += [
             (sign * h * n + middle * w + position, (t, w, n), (h, middle))
             for n, t in ((u, v), (v, u))
             for sign in (1.0, -1.0)
         ]
         found += [(z * w + position, (u, v, w), (h, h)) for z in element.baffle_positions]
     elif isinstance(element, Rectangle):
-        found = [(position, tuple(frame), element.half_sizes)]
+        found.append((element.position, element.frame, element.half_sizes))
     elif isinstance(element, Disk):
-        found = [(position, tuple(frame), (element.radius, element.radius))]
-    else:
-        found = []
-    return [[*c.tolist(), *np.ravel(f).tolist(), *half] for c, f, half in found]
+        found.append((element.position, element.frame, (element.radius, element.radius)))
+    return [[*c, *(x for row in f for x in row), *half] for c, f, half in found]
 
 
-def _sharpest(
-    a: NDArray[np.float64], b: NDArray[np.float64], room: float
-) -> NDArray[np.float64]:
+def _sharpest(a: NDArray[np.float64], b: NDArray[np.float64], room: float) -> NDArray[np.float64]:
     """Return the least sine of the angles at which edges of rectangles end on faces, else 1."""
     centre, half = a[:, :3], a[:, 12:14]
     normal = b[:, 9:12]
@@ -147,4 +170,4 @@ def _sharpest(
 
 
 def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    return (a * b).sum(axis=1)
+    return np.asarray((a * b).sum(axis=1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar
 
 from photizon_cl.described import Described, Known, Nested
@@ -115,7 +116,7 @@ class Element(Described):
         """Say why this is a wall and cannot be a Fresnel surface; empty where it can."""
         return ""
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """Rows (u, v, w) of the local frame in world coordinates."""
         return frame(self.axis, self.tilt_deg)

@@ -40,9 +40,7 @@ class Flat(Element):
         u, v = self.half_sizes
         return (-u, -v, 0.0), (u, v, 0.0)
 
-    def packed(
-        self, centre: Vec3, axis: int | None, at_edges: float = 1.0
-    ) -> tuple[float, ...]:
+    def packed(self, centre: Vec3, axis: int | None, at_edges: float = 1.0) -> tuple[float, ...]:
         """Return the half sizes with their rounding bounds, see ``kernels/lib/flat.mako``.
 
         The bounds are what the rounding of a hit point's coordinates can amount to: a few units

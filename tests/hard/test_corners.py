@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from oracles import gates
-from oracles.corners import U, across, box, follow, leaks, named, polyhedron, rays_at_edges
+from oracles.corners import (
+    U,
+    across,
+    box,
+    follow,
+    from_inside,
+    leaks,
+    named,
+    polyhedron,
+    prism,
+    rays_at_edges,
+)
 from oracles.engine import PLAN, open_device, trace_compiled
 
 from hostcode.probe import LEFT_PLUS, element_of, follow_rays, probe_faces
@@ -134,7 +145,35 @@ def test_no_ray_gets_out_of_a_polyhedron_of_crossing_plates(sides: int, surface:
 
 
 @SURFACES
-@pytest.mark.parametrize(("tilt", "height"), [((0.0, 0.0), 0.0), ((21.0, -34.0), 0.9)])
+@pytest.mark.parametrize("degrees", [60.0, 10.0, 1.0, 1e-2, 1e-6])
+def test_no_ray_gets_out_of_a_sharp_wedge(degrees: float, surface: Any) -> None:
+    """Of walls that end on each other at an angle, and at what it leaves of half a turn."""
+    for number, (scale, away) in enumerate(PLACES):
+        r = np.random.default_rng([16, number])
+        chamber = prism(r, degrees, scale, away * scale * r.uniform(-1, 1, 3), surface)
+        starts, along = from_inside(chamber, *rays_at_edges(r, chamber, 2 * RAYS))
+        assert leaks(chamber, starts, along) == (0, 0, 0), (scale, away)
+
+
+@pytest.mark.parametrize("degrees", [10.0, 1e-2])
+def test_a_wedge_leaks_where_its_edges_do_not_know_their_angle(
+    degrees: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The test above can fail."""
+    monkeypatch.setattr("photizon_cl.compile.edge_factors", lambda elements: np.ones(len(elements)))
+    lost = 0
+    for number, (scale, away) in enumerate(PLACES * 4):
+        r = np.random.default_rng([16, number])
+        chamber = prism(r, degrees, scale, away * scale * r.uniform(-1, 1, 3), SILVER)
+        starts, along = from_inside(chamber, *rays_at_edges(r, chamber, 2 * RAYS))
+        lost += leaks(chamber, starts, along)[0]
+    assert lost > 0
+
+
+@SURFACES
+@pytest.mark.parametrize(
+    ("tilt", "height"), [((0.0, 0.0), 0.0), ((21.0, -34.0), 0.9), ((21.0, -34.0), 0.999999)]
+)
 @pytest.mark.parametrize("shape", ["disk to the wall", "plate through the wall"])
 def test_no_ray_gets_past_a_plate_in_a_ball(
     shape: str, height: float, tilt: tuple[float, float], surface: Any

@@ -209,7 +209,10 @@ MUTANTS = (
     Mutant(
         "a launched ray hits the face it starts on",
         "lib/faces.mako",
-        (("hit = m & NE(p->left, lsplat(NO_FACE))", "hit = m"),),
+        (
+            ("return m & NE(p->left, lsplat(NO_FACE))", "return m"),
+            ("*crosses = NE(p->left, lsplat(NO_FACE)) &", "*crosses ="),
+        ),
         gates.launched_rays_leave_their_face,
     ),
     Mutant(
@@ -221,7 +224,7 @@ MUTANTS = (
     Mutant(
         "faces in contact are never crossed",
         "lib/flat.mako",
-        (("& (on_minus ^ goes_minus), ok)", "& lsplat(0L), ok)"),),
+        (("cross & NE(dh, splat(0.0)), ok)", "lsplat(0L), ok)"),),
         gates.contact_behind_glass,
     ),
     Mutant(
@@ -229,6 +232,27 @@ MUTANTS = (
         "lib/faces.mako",
         (("return here & m;", "return lsplat(0L);"),),
         gates.corners_hold,
+    ),
+    Mutant(
+        "a tube does not know its sides",
+        "elements/baffled_tube.mako",
+        (("LE(fabs(off), 64.0 * most)", "on"),),
+        gates.curved_corners_hold,
+    ),
+    Mutant(
+        "a lens does not know its sides",
+        "lib/solid.mako",
+        (
+            ("fabs(q0.height), 64.0 * q0.near", "fabs(q0.height), 0.0 * q0.near"),
+            ("fabs(q1.height), 64.0 * q1.near", "fabs(q1.height), 0.0 * q1.near"),
+        ),
+        gates.curved_corners_hold,
+    ),
+    Mutant(
+        "a concentrator does not know its sides",
+        "elements/cpc.mako",
+        (("splat(64.0 * most)", "splat(most / 64.0)"),),
+        gates.curved_corners_hold,
     ),
     Mutant(
         "edges are open",

@@ -163,14 +163,16 @@ def rays_at_edges(r: np.random.Generator, chamber: Chamber, n: int) -> tuple[Any
     return starts[keep], ((ends - starts) / apart[:, None])[keep]
 
 
-def follow(elements: Sequence[Element], starts: Any, along: Any, steps: int) -> Any:
+def follow(
+    elements: Sequence[Element], starts: Any, along: Any, steps: int, *, reflected: bool = False
+) -> Any:
     """Follow rays; return their points in world coordinates, and which of them ended where.
 
     Points behind the end are not numbers; of what ended, the place is infinite where it escaped.
     """
     compiled = compile_elements(tuple(elements))
     rays = np.hstack([np.subtract(starts, compiled.shift), along])
-    found = follow_rays(open_device(), compiled.tables, rays, steps)
+    found = follow_rays(open_device(), compiled.tables, rays, steps, reflected=reflected)
     points = found.point.astype(Exact) + np.array(compiled.shift, Exact)
     gone = ~np.isfinite(found.distance)
     points[gone] = np.nan
@@ -184,3 +186,54 @@ def leaks(chamber: Chamber, starts: Any, along: Any, steps: int = 30) -> tuple[i
     heights = (points - middle) @ chamber.normals.T - (chamber.offsets - chamber.normals @ middle)
     outside = (heights < -ROUNDING * U * chamber.far).any(axis=(1, 2))  # not a number: not outside
     return int(escaped.sum()), int(absorbed.sum()), int(outside.sum())
+
+
+def prism(r: np.random.Generator, degrees: float, scale: float, at: Any, surface: Any) -> Chamber:
+    """Return a chamber over a triangle with a given angle.
+
+    Its walls end on each other, or go on beyond; two plates larger than it close its ends.
+    """
+    turn = np.radians(r.uniform(0, 360) + np.array([0.0, degrees]))
+    arms = r.uniform(0.5, 1, 2)[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    feet = scale * np.vstack([[0.0, 0.0], arms])
+    x, y, z = (float(v) for v in at)
+    walls: list[Rectangle] = []
+    for i in range(3):
+        along = feet[(i + 1) % 3] - feet[i]
+        beyond = r.choice([0.0, 0.0, 0.3], 2)
+        middle = feet[i] + along * (1.0 + beyond[1] - beyond[0]) / 2.0
+        walls.append(
+            Rectangle(
+                name="wall",
+                position=(float(middle[0]) + x, float(middle[1]) + y, z),
+                axis="+x",
+                tilt_deg=(0.0, float(np.degrees(np.arctan2(-along[0], along[1])))),
+                half_width=float(np.linalg.norm(along) * (1.0 + beyond.sum()) / 2.0),
+                half_height=scale / 2.0,
+                surface=surface,
+            )
+        )
+    for end in (-0.5, 0.5):
+        walls.append(
+            Rectangle(
+                name="end", position=(x, y, z + end * scale), axis="+z" if end < 0 else "-z",
+                half_width=4.0 * scale, half_height=4.0 * scale, surface=surface,
+            )
+        )  # fmt: skip
+    normals = np.array([w.frame[2] for w in walls], Exact)
+    places = np.array([w.position for w in walls], Exact)
+    middle = np.array([*(feet.mean(axis=0) + at[:2]), z], Exact)
+    normals *= np.sign(((middle - places) * normals).sum(axis=1))[:, None]
+    corners = np.array(
+        [[*(foot + at[:2]), z + end * scale] for end in (-0.5, 0.5) for foot in feet], Exact
+    )
+    edges = ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))
+    return Chamber(named(walls), normals, (normals * places).sum(axis=1), corners, edges)
+
+
+def from_inside(chamber: Chamber, starts: Any, along: Any) -> tuple[Any, Any]:
+    """Return the rays that start in a chamber, and not within rounding of what is around it."""
+    middle = chamber.corners.mean(axis=0)
+    heights = (starts - middle) @ chamber.normals.T - (chamber.offsets - chamber.normals @ middle)
+    keep = heights.min(axis=1) > 64.0 * U * chamber.far
+    return starts[keep], along[keep]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from oracles import compare, corners, philox, scenes
+from oracles import compare, corners, curved, philox, regions, scenes
 from oracles.engine import PLAN, compiled, probe, scene_of, trace, trace_compiled
 from oracles.kernels import run_text
 from oracles.scenes import BLACK, beam, cube, glass, mirror, wall
@@ -163,6 +163,15 @@ def corners_hold() -> None:
         chamber = corners.polyhedron(r, 4, 1.0, np.zeros(3), Mirror(1.0))
         rays = corners.rays_at_edges(r, chamber, 2000)
         assert corners.leaks(chamber, *rays) == (0, 0, 0)
+
+
+def curved_corners_hold() -> None:
+    """No ray gets out where plates cut a tube, a lens and a concentrator."""
+    for number in range(4):
+        for kind in ("tube and plates", "halved lens", "halved cpc"):
+            r = np.random.default_rng([3, number])
+            region = regions.made(kind, Mirror(1.0), (33.3, 0.0), 1.0, r.uniform(-1, 1, 3))
+            assert curved.leaks_of(region, *curved.rays_in(r, region, 2000)) == (0, 0), kind
 
 
 def far_field_bins() -> None:
