@@ -111,7 +111,8 @@ def main(arguments: list[str] | None = None) -> int:
             r = np.random.default_rng([asked.seed, number, place])
             surface = (Mirror(1.0), Lambertian(1.0))[place % 2]
             scale = float(r.choice(SCALES))
-            at = float(r.choice(AWAY)) * scale * r.uniform(-1, 1, 3)
+            # far away along one axis and near along another is a case of its own
+            at = r.choice(AWAY, 3 if r.random() < 0.5 else 1) * scale * r.uniform(-1, 1, 3)
             many, ways = sample(r, surface, scale, at)
             rays, through, place = rays + many, through + max(ways), place + 1
         rows.append({"edges": kind, "rays": rays, "through": through, "places": place})

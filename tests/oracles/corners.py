@@ -113,6 +113,8 @@ def polyhedron(r: np.random.Generator, sides: int, scale: float, at: Any, surfac
         edges = [
             c for c in combinations(range(len(planes)), 2) if len(planes[c[0]] & planes[c[1]]) == 2
         ]
+        if len(corners) - len(edges) + len(set().union(*planes)) != 2:
+            continue  # open to a side that no direction above happened to show
         return Chamber(tuple(plates), normals, offsets + normals @ at, corners + at, tuple(edges))
 
 
