@@ -185,7 +185,7 @@ def _resume(arguments: argparse.Namespace) -> int:
 
 
 def _recipe(arguments: argparse.Namespace) -> int:
-    from photizon_cl.result_io import open_result
+    from photizon_cl.result_directory import open_result
 
     if not arguments.directory:
         raise ArgumentError("DIR: found nothing, expected a directory")

@@ -75,17 +75,17 @@ def run(arguments: argparse.Namespace) -> int:
 def resume(arguments: argparse.Namespace) -> int:
     """Go on with a run as the arguments say; return the exit status."""
     from photizon_cl.checkpoint import latest
-    from photizon_cl.simulation import resume
 
-    scene = latest(arguments.directory).scene
-    with _Display(scene.title or scene.name) as display:
-        result = resume(
-            arguments.directory,
+    # `pz.resume` in two steps, since the display has the scene's title
+    start = latest(arguments.directory)
+    with _Display(start.scene.title or start.scene.name) as display:
+        result = start.refine(
             batches=arguments.batches,
             target=arguments.target,
             max_seconds=arguments.max_seconds,
             device=arguments.device,
             progress=display.update,
+            checkpoint=arguments.directory,
         )
     return _give(result, arguments.directory, as_json=arguments.json)
 

@@ -262,7 +262,7 @@ def _go_on(
     if checkpoint is None:
         return _add_batches(start, goal, device, progress, executor, plan, None)
     from photizon_cl.checkpoint import Keeper
-    from photizon_cl.result_io import prepare_target
+    from photizon_cl.result_directory import prepare_target
 
     keeper = Keeper(prepare_target(checkpoint, start), start)
     try:

@@ -14,7 +14,7 @@ import pytest
 
 import photizon_cl as pz
 from photizon_cl.atomic import TEMPORARY
-from photizon_cl.result_io import unfinished
+from photizon_cl.result_directory import unfinished
 
 SCRIPT = Path(__file__).with_name("killed_run.py")
 ROOT = Path(__file__).resolve().parents[2]

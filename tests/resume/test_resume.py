@@ -14,7 +14,7 @@ from hostcode.plan import ExecutionPlan
 from photizon_cl import checkpoint
 from photizon_cl.atomic import TEMPORARY, Lock
 from photizon_cl.cli import main
-from photizon_cl.result_io import CHECKPOINT
+from photizon_cl.result_directory import CHECKPOINT
 from photizon_cl.stopping import History
 
 SCENE, RAYS = "box-room", 2048
@@ -258,7 +258,7 @@ def test_a_full_disk_is_told(whole, tmp_path, monkeypatch):
     class Full:
         free = 1000
 
-    monkeypatch.setattr("photizon_cl.result_io.shutil.disk_usage", lambda _: Full)
+    monkeypatch.setattr("photizon_cl.result_file.shutil.disk_usage", lambda _: Full)
     with pytest.raises(pz.ResultError, match="No space left"):
         whole.save(tmp_path)
     with pytest.raises(pz.RunError, match="No space left"):
