@@ -9,15 +9,18 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import warnings
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
+from hostcode.errors import CacheWarning
 from photizon_cl import __version__
 from photizon_cl.cli_report import add_arguments as add_report_arguments
 from photizon_cl.errors import ArgumentError, PhotizonError
 from photizon_cl.stability import add_arguments as add_stability_arguments
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 __all__ = ["main"]
 
@@ -193,6 +196,24 @@ def _recipe(arguments: argparse.Namespace) -> int:
     return 0
 
 
+@contextmanager
+def _plain_warnings() -> Iterator[None]:
+    """Say what the engine warns of in one line, without the place in its source."""
+    usual = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, CacheWarning):
+            print(f"photizon: {message}", file=sys.stderr)
+        else:
+            usual(message, category, *where, **more)
+
+    warnings.showwarning = show
+    try:
+        yield
+    finally:
+        warnings.showwarning = usual
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command.
 
@@ -215,7 +236,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as leaving:  # --help, --version, or a message that is out already
         return leaving.code if isinstance(leaving.code, int) else 0
     try:
-        status: int = arguments.call(arguments)
+        with _plain_warnings():
+            status: int = arguments.call(arguments)
         sys.stdout.flush()
         return status
     except PhotizonError as error:
