@@ -327,7 +327,7 @@ class Result:
         path: str | os.PathLike[str],
         *,
         figures: bool = True,
-        formats: Sequence[str] = ("png",),
+        formats: str | Sequence[str] = ("png",),
     ) -> None:
         """Write the result into a directory, which is made where it is not there.
 
@@ -343,8 +343,8 @@ class Result:
             The directory.
         figures : bool, optional
             Whether to draw figures.
-        formats : sequence of str, optional
-            In which formats: some of ``"png"``, ``"svg"`` and ``"pdf"``.
+        formats : str or sequence of str, optional
+            In which formats: one or some of ``"png"``, ``"svg"`` and ``"pdf"``.
 
         Raises
         ------

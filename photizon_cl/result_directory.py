@@ -144,7 +144,7 @@ def save(
     path: str | os.PathLike[str],
     *,
     figures: bool = True,
-    formats: Sequence[str] = ("png",),
+    formats: str | Sequence[str] = ("png",),
 ) -> None:
     """Write a result, see `Result.save`."""
     from photizon_cl.csv_tables import detectors_csv, ledger_csv
@@ -195,7 +195,7 @@ def _drop_report(page: Path) -> None:
         page.unlink()
 
 
-def _draw(result: Result, folder: Path, formats: Sequence[str]) -> set[str]:
+def _draw(result: Result, folder: Path, formats: str | Sequence[str]) -> set[str]:
     from photizon_cl.figures import draw_all
 
     folder.mkdir(exist_ok=True)

@@ -160,6 +160,24 @@ def test_the_ledger_fits_a_terminal(run):
     assert "1 / 1" not in out
 
 
+def test_advisories_are_said_once(run, tmp_path):
+    tables = pz.load("ghost-ladder").to_dict()
+    mirror = {
+        "name": "aside", "kind": "rectangle", "position": [100.0, 0.0, 0.0], "axis": "+x",
+        "half_width": 1.0, "half_height": 1.0, "surface": {"kind": "mirror", "reflectance": 0.5},
+    }  # fmt: skip
+    tables["element"].append(mirror)
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(tables))
+    advisories = pz.load(path).advisories()
+    assert any("splits a ray in two" in text for text in advisories)
+    status, out, err = run("run", path, "--batches", "1", "--rays-per-batch", "64")
+    assert status == 0
+    said = " ".join((err + out).split())
+    assert [said.count(text) for text in advisories] == [1] * len(advisories)
+    assert "advisory: a single batch" in said
+
+
 def test_names_are_never_markup(run, tmp_path):
     tables = pz.load("cosine-fourth").to_dict()
     tables["title"] = "[red]title[red] :smile:"

@@ -140,8 +140,11 @@ def test_figures_come_in_the_formats_asked_for(sphere, tmp_path):
     assert not (tmp_path / "report.html").exists()
     sphere.save(tmp_path)
     assert {p.suffix for p in (tmp_path / "figures").iterdir()} == {".png"}
-    with pytest.raises(pz.ArgumentError, match="formats"):
-        sphere.save(tmp_path / "no", formats=("bmp",))
+    sphere.save(tmp_path, formats="svg")  # one alone needs no brackets
+    assert {p.suffix for p in (tmp_path / "figures").iterdir()} == {".svg"}
+    for wrong in (("bmp",), "bmp"):
+        with pytest.raises(pz.ArgumentError, match='formats: found "bmp"'):
+            sphere.save(tmp_path / "no", formats=wrong)
     assert not (tmp_path / "no").exists()
 
 
