@@ -22,7 +22,7 @@ INPUTS := pyproject.toml .ci/setup
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.stamp-run
-	$(BIN)/photizon run integrating-sphere --out out/integrating-sphere
+	$(BIN)/photizon run integrating-sphere --out out/integrating-sphere --replace
 
 test: lint types
 	$(BIN)/python -m pytest $(PYTEST_ARGS)

@@ -44,8 +44,10 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         scene = load(arguments.scene)  # a bad scene is told before anything heavy is imported
 
-    from photizon_cl.simulation import trace
+    from photizon_cl.simulation import trace, with_settings
 
+    as_run = with_settings(scene, seed=arguments.seed, rays_per_batch=arguments.rays_per_batch)
+    _check_out(arguments, as_run)
     said = _warn_of_splitting(scene)
     with _Display(scene.title or scene.name) as display:
         if recipe is not None:
@@ -89,6 +91,16 @@ def resume(arguments: argparse.Namespace) -> int:
             checkpoint=arguments.directory,
         )
     return _give(result, arguments.directory, as_json=arguments.json)
+
+
+def _check_out(arguments: argparse.Namespace, as_run: Scene) -> None:
+    """Refuse to lose the finished result of another run, unless asked to."""
+    from photizon_cl.result_directory import check_same_run
+
+    if arguments.out is not None and not arguments.replace:
+        check_same_run(arguments.out, as_run)
+    if arguments.out is None and arguments.replace:
+        raise ArgumentError("--replace: found without --out, expected a directory with it")
 
 
 def _recipe(arguments: argparse.Namespace) -> Recipe:

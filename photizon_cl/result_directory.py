@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import TEMPORARY, reason, replacing
 from photizon_cl.errors import ResultError, show
-from photizon_cl.result_file import read_file, write_arrays
+from photizon_cl.result_file import read_file, read_scene, write_arrays
 from photizon_cl.scene import same_stream
 from photizon_cl.scene_io import to_toml
 
@@ -22,10 +22,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from photizon_cl.result import Result
+    from photizon_cl.scene import Scene
 
 __all__ = [
     "ARRAYS",
     "CHECKPOINT",
+    "check_same_run",
     "open_result",
     "prepare_target",
     "read",
@@ -116,6 +118,40 @@ def _check_longer(folder: Path, old: Result, result: Result) -> None:
             f"{show(str(folder))} holds {old.batches} batches of this run, more than these "
             f"{result.batches}, and is kept: give another directory, or remove {ARRAYS} there"
         )
+
+
+def check_same_run(path: str | os.PathLike[str], scene: Scene) -> None:
+    """Refuse a directory that holds the finished result of another run.
+
+    Parameters
+    ----------
+    path : str or path
+        The directory; it need not be there.
+    scene : Scene
+        What will be run, as run.
+
+    Raises
+    ------
+    ResultError
+        Where it does, or what is there is damaged or no result.
+    """
+    folder = Path(os.fsdecode(path))
+    try:
+        if not (folder / ARRAYS).is_file():
+            return
+    except (OSError, ValueError):  # what is wrong with the path, `prepare_target` tells
+        return
+    there = read_scene(folder / ARRAYS)
+    if same_stream(there, scene):
+        return
+    found, mine = (f"{s.name!r} with seed {s.run.seed}" for s in (there, scene))
+    differs = f"this run is of {mine}"
+    if found == mine:
+        differs = "the scene or its settings have changed since"
+    raise ResultError(
+        f"{show(str(folder))} holds the result of {found}, and {differs}: give another directory, "
+        "or --replace to lose that result"
+    )
 
 
 def prepare_target(path: str | os.PathLike[str], result: Result) -> Path:

@@ -15,6 +15,7 @@ import math
 import os
 import shutil
 import tomllib
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -29,11 +30,14 @@ from photizon_cl.statistics import Accumulator, AccumulatorState
 from photizon_cl.stopping import Goal
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     import xarray as xr
 
-__all__ = ["read_file", "write_arrays", "write_state"]
+    from photizon_cl.scene import Scene
+
+__all__ = ["read_file", "read_scene", "write_arrays", "write_state"]
 
 _GROUP: Final = "tally"
 _OVERHEAD: Final = 1 << 18  # bytes of a file beside its arrays, rounded up
@@ -141,8 +145,21 @@ def read_file(file: Path) -> Result:
     ResultError
         Where it cannot be read, is damaged, or is something else.
     """
-    try:
+    with _damage_told(file):
         return _read(file)
+
+
+def read_scene(file: Path) -> Scene:
+    """Return the scene of a file, and read no more of it; raises as `read_file` does."""
+    with _damage_told(file):
+        return load(tomllib.loads(_scene_text(file)))
+
+
+@contextmanager
+def _damage_told(file: Path) -> Iterator[None]:
+    """Turn what may come of a file into a ResultError that names it."""
+    try:
+        yield
     except ResultError:
         raise
     except PermissionError as error:
@@ -153,7 +170,7 @@ def read_file(file: Path) -> Result:
         ) from error
 
 
-def _read(file: Path) -> Result:
+def _scene_text(file: Path) -> str:
     import xarray as xr
 
     with xr.open_dataset(file, engine="h5netcdf", decode_cf=False) as top:
@@ -162,8 +179,14 @@ def _read(file: Path) -> Result:
             raise ResultError(
                 f"{show(str(file))}: found the schema {found}, expected {show(RESULT_SCHEMA)}"
             )
-        text = str(top.attrs["scene"])
-        scene = load(tomllib.loads(text))
+        return str(top.attrs["scene"])
+
+
+def _read(file: Path) -> Result:
+    import xarray as xr
+
+    text = _scene_text(file)
+    scene = load(tomllib.loads(text))
     with xr.open_dataset(file, engine="h5netcdf", group=_GROUP, decode_cf=False) as group:
         arrays = {name: np.array(group[name].values) for name in _STATE}
         history = [  # results of the first version have none
