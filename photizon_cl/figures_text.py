@@ -1,10 +1,18 @@
-"""How a value and its standard error are written for people."""
+"""How a value and its standard error, and the lit part of a map, are written for people."""
 
 from __future__ import annotations
 
 from math import floor, log10
 
-__all__ = ["with_error"]
+__all__ = ["lit_percent", "with_error"]
+
+
+def lit_percent(part: float) -> str:
+    """Return the lit part of the bins in percent.
+
+    Rounded down, so that 100 % means every bin and 50.0 % is never said beside a warning of less.
+    """
+    return f"{floor(round(1e3 * part, 9)) / 10.0:.1f} %"
 
 
 def with_error(value: float, sigma: float | None) -> tuple[str, str]:

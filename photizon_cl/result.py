@@ -327,7 +327,7 @@ class Result:
         path: str | os.PathLike[str],
         *,
         figures: bool = True,
-        formats: Sequence[str] = ("png",),
+        formats: str | Sequence[str] = ("png",),
     ) -> None:
         """Write the result into a directory, which is made where it is not there.
 
@@ -343,8 +343,8 @@ class Result:
             The directory.
         figures : bool, optional
             Whether to draw figures.
-        formats : sequence of str, optional
-            In which formats: some of ``"png"``, ``"svg"`` and ``"pdf"``.
+        formats : str or sequence of str, optional
+            In which formats: one or some of ``"png"``, ``"svg"`` and ``"pdf"``.
 
         Raises
         ------
@@ -353,7 +353,7 @@ class Result:
         ResultError
             Where the directory holds files and no result, or cannot be written.
         """
-        from photizon_cl.result_io import save
+        from photizon_cl.result_directory import save
 
         save(self, path, figures=figures, formats=formats)
 
@@ -371,6 +371,6 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     ResultError
         Where there is no result, or it is damaged.
     """
-    from photizon_cl.result_io import open_result
+    from photizon_cl.result_directory import open_result
 
     return open_result(path)

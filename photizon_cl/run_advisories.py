@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.figures_text import lit_percent
 from photizon_cl.stopping import LEAST_BATCHES
 
 if TYPE_CHECKING:
@@ -79,6 +80,6 @@ def _unlit(result: Result) -> Iterator[str]:
     lit = result.lit_fraction
     if lit is not None and lit < _LIT:
         yield (
-            f"only {lit:.1%} of the map bins carry at least 10 rays, and σ is the median over "
-            "those alone; run longer or take coarser bins"
+            f"only {lit_percent(lit)} of the map bins carry at least 10 rays, and σ is the median "
+            "over those alone; run longer or take coarser bins"
         )

@@ -17,7 +17,7 @@ from photizon_cl.sources import Source
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["SCHEMA", "FarField", "RunSettings", "Scene", "between_objects"]
+__all__ = ["SCHEMA", "FarField", "RunSettings", "Scene", "between_objects", "same_stream"]
 
 SCHEMA: Final = "photizon/1"
 
@@ -107,6 +107,14 @@ class Scene(Described):
         from photizon_cl.advisories import advisories
 
         return advisories(self)
+
+
+def same_stream(a: Scene, b: Scene) -> bool:
+    """Say whether two scenes as run launch the very same rays and tally them in the same rows.
+
+    Their batches of the same number are then equal. When to stop may differ.
+    """
+    return a.digest() == b.digest()  # the seed is part of it
 
 
 def between_objects(

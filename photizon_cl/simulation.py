@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from photizon_cl.checkpoint import Keeper
     from photizon_cl.scene import Scene
 
-__all__ = ["PRECISIONS", "Progress", "refine", "resume", "trace"]
+__all__ = ["PRECISIONS", "Progress", "refine", "resume", "trace", "with_settings"]
 
 PRECISIONS: Final = ("fp64",)
 """Precisions that a trace can have."""
@@ -108,7 +108,7 @@ def trace(
             f"{', '.join(map(show, PRECISIONS))} (results are exact integer tallies of doubles; "
             "nothing else is available in this version)"
         )
-    as_run = _as_run(
+    as_run = with_settings(
         load(scene),
         seed=seed,
         target_sigma=target,
@@ -190,7 +190,7 @@ def refine(
             goal = dataclasses.replace(goal, max_seconds=max_seconds)
         compiled = result.compiled
     else:
-        as_run = _as_run(result.scene, target_sigma=target, max_seconds=max_seconds)
+        as_run = with_settings(result.scene, target_sigma=target, max_seconds=max_seconds)
         goal = _goal(as_run, batches, target, max_seconds)
         # The stream does not depend on when it stops: the tables stay what they are.
         compiled = dataclasses.replace(result.compiled, scene=as_run, settings=as_run.run)
@@ -214,7 +214,14 @@ def refine(
     return _go_on(start, goal, device, progress, executor, plan, checkpoint)
 
 
-def _as_run(scene: Scene, **settings: Any) -> Scene:
+def with_settings(scene: Scene, **settings: Any) -> Scene:
+    """Return a scene with those settings of ``[run]`` that are given and not None.
+
+    Raises
+    ------
+    ArgumentError
+        Where one is not valid.
+    """
     given = {name: value for name, value in settings.items() if value is not None}
     if not given:
         return scene
@@ -226,7 +233,7 @@ def _as_run(scene: Scene, **settings: Any) -> Scene:
 
 
 def _check_seconds(scene: Scene, max_seconds: float) -> None:
-    _as_run(scene, max_seconds=max_seconds)
+    with_settings(scene, max_seconds=max_seconds)
 
 
 def _goal(
@@ -262,7 +269,7 @@ def _go_on(
     if checkpoint is None:
         return _add_batches(start, goal, device, progress, executor, plan, None)
     from photizon_cl.checkpoint import Keeper
-    from photizon_cl.result_io import prepare_target
+    from photizon_cl.result_directory import prepare_target
 
     keeper = Keeper(prepare_target(checkpoint, start), start)
     try:

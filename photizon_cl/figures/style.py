@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from photizon_cl.figures.words import fitted, percent, wrapped
+from photizon_cl.figures_text import lit_percent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -216,8 +217,7 @@ def _state(result: Result) -> str:
 
 
 def _lit(lit: float) -> tuple[str, bool]:
-    # Rounded down, so that 100 % means every bin and 50.0 % is never said beside the warning.
-    text = f"{math.floor(round(1e3 * lit, 9)) / 10.0:.1f} % of bins carry at least 10 rays"
+    text = f"{lit_percent(lit)} of bins carry at least 10 rays"
     if lit >= 0.5:
         return text, False
     return f"Warning: only {text}; the median σ says nothing of the other bins", True

@@ -86,7 +86,7 @@ FIGURES: Final = (
 
 
 def draw_all(
-    result: Result, formats: Sequence[str] = ("png",)
+    result: Result, formats: str | Sequence[str] = ("png",)
 ) -> Iterator[tuple[str, Callable[[Path], None]]]:
     """Give each figure's file name and a function that draws it into a file.
 
@@ -94,7 +94,7 @@ def draw_all(
     ----------
     result : Result
         The result.
-    formats : sequence of str, optional
+    formats : str or sequence of str, optional
         Of ``"png"``, ``"svg"`` and ``"pdf"``; each figure comes once in each.
 
     Raises
@@ -102,6 +102,8 @@ def draw_all(
     ArgumentError
         Where a format is another one.
     """
+    if isinstance(formats, str):
+        formats = (formats,)
     unknown = [kind for kind in formats if kind not in FORMATS]
     if unknown:
         raise ArgumentError(
@@ -121,7 +123,7 @@ def draw_all(
 
 
 def write_all(
-    result: Result, folder: str | os.PathLike[str], formats: Sequence[str] = ("png",)
+    result: Result, folder: str | os.PathLike[str], formats: str | Sequence[str] = ("png",)
 ) -> list[Path]:
     """Draw every figure of a result into files, and return these.
 
@@ -133,7 +135,7 @@ def write_all(
         The result.
     folder : str or path
         An existing directory; files of the same names in it are replaced.
-    formats : sequence of str, optional
+    formats : str or sequence of str, optional
         Of ``"png"``, ``"svg"`` and ``"pdf"``.
 
     Raises
@@ -148,6 +150,6 @@ def write_all(
     return written
 
 
-def figure_names(result: Result, formats: Sequence[str] = ("png",)) -> list[str]:
+def figure_names(result: Result, formats: str | Sequence[str] = ("png",)) -> list[str]:
     """Return the file names of a result's figures, see `draw_all`."""
     return [name for name, _ in draw_all(result, formats)]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from markupsafe import Markup
 
 from photizon_cl.effects import EFFECTS
+from photizon_cl.figures_text import lit_percent
 from photizon_cl.report.numbers import amount, brief, integer, number, percent, share
 from photizon_cl.report.tables import Table
 
@@ -118,7 +119,7 @@ def key_figures(result: Result) -> list[tuple[str, str, str]]:
         ("ledger closure", closure + " W", "emitted − all other rows"),
     ]
     if result.lit_fraction is not None:
-        figures.append(("lit map bins", percent(result.lit_fraction), "10 or more arrivals"))
+        figures.append(("lit map bins", lit_percent(result.lit_fraction), "10 or more arrivals"))
     rate = info.interactions / info.seconds if info.seconds > 0.0 else 0.0
     remark = f"{rate / 1e6:.3g} million a second" if rate else ""
     figures.append(("interactions", integer(info.interactions), remark))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.figures_text import lit_percent
 from photizon_cl.report.numbers import amount, brief, integer, number, pair, percent, share
 
 if TYPE_CHECKING:
@@ -210,7 +211,7 @@ def map_table(name: str, element: str, m: IrradianceMap, power: Estimate) -> Tab
     rows: list[tuple[str, str]] = [
         ("bins", f"{integer(nx)} in {_AXES[m.x_name]} × {integer(ny)} in {_AXES[m.y_name]}"),
         ("area of all bins", number(f"{area:.6g}") + " m²"),
-        ("bins with 10 or more arrivals", percent(m.lit_fraction)),
+        ("bins with 10 or more arrivals", lit_percent(m.lit_fraction)),
         ("irradiance, mean over the area", brief(power.value / area, sigma, "W/m²")),
     ]
     if m.lit.any():
@@ -267,7 +268,7 @@ def far_field_table(far: FarFieldResult, escaped: Estimate) -> Table:
         ("intensity, mean over all directions", brief(escaped.value / whole, sigma, "W/sr")),
         ("bins", f"{integer(n_mu)} in cos θ × {integer(n_phi)} in φ"),
         ("solid angle of a bin", amount(far.solid_angle) + " sr"),
-        ("bins with 10 or more rays", percent(float(np.mean(lit)))),
+        ("bins with 10 or more rays", lit_percent(float(np.mean(lit)))),
     ]
     if lit.any():
         value, error, (j, i) = peak(far.intensity, far.sigma, lit)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.figures_text import with_error
+from photizon_cl.figures_text import lit_percent, with_error
 from photizon_cl.report.numbers import percent, plain_amount
 from photizon_cl.report.tables import peak
 
@@ -137,7 +137,7 @@ def _irradiance(result: Result, element: str) -> tuple[str, str]:
     )
     mean = result.detectors[element].power.value / float(m.area.sum())
     alt = (
-        f"{start}{percent(m.lit_fraction)} of them have 10 or more arrivals. Those range from "
+        f"{start}{lit_percent(m.lit_fraction)} of them have 10 or more arrivals. Those range from "
         f"{plain_amount(low)} to {_value(high, error, 'W/m²')}, highest at {where}; the mean over "
         f"the area is {plain_amount(mean)} W/m²."
     )
@@ -204,7 +204,7 @@ def _far_field(result: Result, _: str) -> tuple[str, str]:
     lit = ~far.hatched
     start = (
         f"Far-field map of intensity, {n_phi} bins in φ by {n_mu} in cos θ; "
-        f"{percent(float(np.mean(lit)))} of them have 10 or more rays"
+        f"{lit_percent(float(np.mean(lit)))} of them have 10 or more rays"
     )
     if not lit.any():
         return start + ".", caption

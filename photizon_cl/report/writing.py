@@ -58,12 +58,13 @@ def write_report(
     from photizon_cl.report import figures as drawing
     from photizon_cl.report.page import render
     from photizon_cl.result import open_result
+    from photizon_cl.result_directory import ARRAYS
 
     given = Path(os.fsdecode(folder))
     try:
         result = open_result(given)
     except ResultError as error:
-        if given.is_file() or (given / "result.nc").is_file():  # there, and not whole
+        if given.is_file() or (given / ARRAYS).is_file():  # there, and not whole
             raise ResultError(f"{error}; {_AGAIN}") from error
         raise
     home = given if given.is_dir() else given.parent

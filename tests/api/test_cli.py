@@ -98,6 +98,7 @@ def test_unreadable_scenes_in_a_process(content, suffix, tmp_path):
         (["run", "box-room", "--precision", "fp16"], "precision"),
         (["run", "box-room", "--batch", "3"], "unrecognized"),
         (["run", "box-room", "--out", ""], "--out"),
+        (["run", "box-room", "--replace"], "--replace"),
         (["run", "box-room", "--colour"], "unrecognized"),
         (["check"], "SCENE"),
     ],
@@ -114,6 +115,30 @@ def test_out_is_refused_before_anything_runs(run, tmp_path):
     assert (status, out) == (2, "")
     assert "holds files and no photizon result" in err
     assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["cosine-fourth"], "this run is of 'cosine-fourth' with seed 1"),
+        (["box-room", "--seed", "2"], "this run is of 'box-room' with seed 2"),
+        (["box-room", "--rays-per-batch", "512"], "the scene or its settings have changed since"),
+    ],
+)
+def test_the_result_of_another_run_is_not_lost(arguments, says, run, room, tmp_path):
+    room.save(tmp_path, figures=False)
+    before = {file: file.read_bytes() for file in tmp_path.iterdir()}
+    status, out, err = run("run", *arguments, "--batches", "2", "--out", tmp_path)
+    assert (status, out) == (2, "")
+    assert f"holds the result of 'box-room' with seed 1, and {says}" in err
+    assert "give another directory, or --replace" in err
+    assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
+
+
+def test_it_is_lost_where_that_is_asked_for(run, room, tmp_path):
+    room.save(tmp_path, figures=False)
+    assert run(*RUN, "--seed", "2", "--out", tmp_path, "--replace")[0] == 0
+    assert pz.open_result(tmp_path).scene.run.seed == 2
 
 
 # -- success ---------------------------------------------------------------------------------------
@@ -158,6 +183,24 @@ def test_the_ledger_fits_a_terminal(run):
     ):
         assert word in out
     assert "1 / 1" not in out
+
+
+def test_advisories_are_said_once(run, tmp_path):
+    tables = pz.load("ghost-ladder").to_dict()
+    mirror = {
+        "name": "aside", "kind": "rectangle", "position": [100.0, 0.0, 0.0], "axis": "+x",
+        "half_width": 1.0, "half_height": 1.0, "surface": {"kind": "mirror", "reflectance": 0.5},
+    }  # fmt: skip
+    tables["element"].append(mirror)
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(tables))
+    advisories = pz.load(path).advisories()
+    assert any("splits a ray in two" in text for text in advisories)
+    status, out, err = run("run", path, "--batches", "1", "--rays-per-batch", "64")
+    assert status == 0
+    said = " ".join((err + out).split())
+    assert [said.count(text) for text in advisories] == [1] * len(advisories)
+    assert "advisory: a single batch" in said
 
 
 def test_names_are_never_markup(run, tmp_path):

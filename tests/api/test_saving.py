@@ -10,7 +10,9 @@ import pytest
 import xarray as xr
 
 import photizon_cl as pz
+from photizon_cl import result_directory
 from photizon_cl.cli import main
+from photizon_cl.figures import figure_names
 from photizon_cl.scene_io import load
 
 FILES = ["ledger.csv", "recipe.txt", "result.nc", "scene.toml", "summary.json"]
@@ -139,8 +141,10 @@ def test_figures_come_in_the_formats_asked_for(sphere, tmp_path):
     assert not (tmp_path / "report.html").exists()
     sphere.save(tmp_path)
     assert {p.suffix for p in (tmp_path / "figures").iterdir()} == {".png"}
-    with pytest.raises(pz.ArgumentError, match="formats"):
-        sphere.save(tmp_path / "no", formats=("bmp",))
+    assert figure_names(sphere, "svg") == figure_names(sphere, ["svg"])  # one needs no brackets
+    for wrong in (("bmp",), "bmp"):
+        with pytest.raises(pz.ArgumentError, match='formats: found "bmp"'):
+            sphere.save(tmp_path / "no", formats=wrong)
     assert not (tmp_path / "no").exists()
 
 
@@ -180,13 +184,21 @@ def test_what_cannot_be_opened(room, tmp_path):
         pz.open_result(tmp_path / "cut")
 
 
+def test_a_result_that_is_there_is_read_once(room, sphere, tmp_path, monkeypatch):
+    room.save(tmp_path, figures=False)
+    read, seen = result_directory.read_file, []
+    monkeypatch.setattr(result_directory, "read_file", lambda f: (seen.append(f.name), read(f))[1])
+    sphere.save(tmp_path, figures=False)
+    assert seen == ["result.nc"]
+
+
 def test_a_failed_write_leaves_the_old_result(room, sphere, tmp_path, monkeypatch):
     room.save(tmp_path, figures=False)
 
     def fail(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("photizon_cl.result_io._write_arrays", fail)
+    monkeypatch.setattr("photizon_cl.result_directory.write_arrays", fail)
     with pytest.raises(pz.ResultError, match="No space left on device"):
         sphere.save(tmp_path, figures=False)
     assert pz.open_result(tmp_path).tally_digest == room.tally_digest

@@ -11,6 +11,8 @@ import pytest
 from made_up import make, poisson, rectangle, tables
 from matplotlib.text import Text
 
+from photizon_cl.cli_run import print_result
+from photizon_cl.cli_show import console
 from photizon_cl.errors import ArgumentError
 from photizon_cl.figures import (
     FIGURES,
@@ -145,6 +147,19 @@ def test_the_warning_comes_below_one_half(lit, warns):
     assert f"{lit}.0 % of bins carry at least 10 rays" in footer(figure)
     assert ("Warning" in footer(figure)) is warns
     assert "σ unknown from a single batch" in footer(figure)
+
+
+def test_the_lit_fraction_reads_alike_everywhere(capsys):
+    def counts(_, layout):
+        cells = np.full(layout.n_cells, 10, np.int64)
+        cells[layout.detectors[0].map] = 9
+        return cells
+
+    made = make(tables(rectangle(name="t", detector={"map": [40, 40]})), counts, 1)
+    assert made.lit_fraction == 1599 / 1600
+    assert "99.9 % of bins carry at least 10 rays" in footer(draw_irradiance(made, "t"))
+    print_result(made, console())
+    assert "99.9 % of the bins lit" in capsys.readouterr().out
 
 
 def test_the_warning_is_not_rounded_away():

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from hostcode import capability, selftest
+from hostcode import capability, pocl_environment, selftest
 from hostcode import device as dev
 from hostcode.device import DeviceRecord
 from hostcode.errors import DeviceError
@@ -211,12 +211,12 @@ def test_pocl_versions_and_origins(monkeypatch):
 
 
 def test_thread_environment():
-    assert dev.pocl_thread_environment(2) == {
+    assert pocl_environment.pocl_thread_environment(2) == {
         "POCL_MAX_PTHREAD_COUNT": "2",
         "POCL_CPU_MAX_CU_COUNT": "2",
     }
     with pytest.raises(ValueError, match="at least 1, not 0"):
-        dev.pocl_thread_environment(0)
+        pocl_environment.pocl_thread_environment(0)
 
 
 class _BrokenPlatform:

@@ -9,6 +9,11 @@ import pytest
 
 from hostcode import device as dev
 from hostcode import pocl_mend, selftest
+from hostcode.pocl_environment import (
+    only_platform_environment,
+    pocl_icd_files,
+    pocl_thread_environment,
+)
 
 SURVEY = """
 from hostcode.device import survey, qualify
@@ -22,14 +27,14 @@ def test_each_pocl_passes_at_both_widths_in_one_process(pocl):
 
 
 def test_each_pocl_alone_in_a_process(pocl, run_python):
-    icd = dev.pocl_icd_files()[pocl.origin]
-    said = run_python(SURVEY, dev.only_platform_environment(icd))
+    icd = pocl_icd_files()[pocl.origin]
+    said = run_python(SURVEY, only_platform_environment(icd))
     assert said == f"{pocl.origin} {pocl.compute_units} []\n"
 
 
 def test_threads_can_be_limited_from_outside(pocl, run_python):
-    icd = dev.pocl_icd_files()[pocl.origin]
-    environment = dev.only_platform_environment(icd) | dev.pocl_thread_environment(1)
+    icd = pocl_icd_files()[pocl.origin]
+    environment = only_platform_environment(icd) | pocl_thread_environment(1)
     assert run_python(SURVEY, environment) == f"{pocl.origin} 1 []\n"
 
 
@@ -49,7 +54,7 @@ def test_debian_is_preferred_to_pypi(usable_devices):
 
 
 def test_icd_files_exist_and_name_a_library():
-    for path in dev.pocl_icd_files().values():
+    for path in pocl_icd_files().values():
         assert path.suffix == ".icd"
         assert re.search(r"pocl", path.read_text(), re.IGNORECASE)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import signal
@@ -9,12 +10,16 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 import photizon_cl as pz
 from photizon_cl.atomic import TEMPORARY
-from photizon_cl.result_io import unfinished
+from photizon_cl.result_directory import unfinished
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 SCRIPT = Path(__file__).with_name("killed_run.py")
 ROOT = Path(__file__).resolve().parents[2]
@@ -22,25 +27,60 @@ KILLS = 50
 BATCHES = 3000
 
 
-def start(folder: Path, verb: str, until: str) -> subprocess.Popen[str]:
-    """Start the run and return when it has said a word."""
-    made = subprocess.Popen(
-        [sys.executable, SCRIPT, folder, str(BATCHES), verb],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    assert made.stdout is not None
-    for word in ("ready", "tracing"):
-        assert made.stdout.readline() == f"{word}\n"
-        if word == until:
-            break
-    return made
+class Runs:
+    """Starts runs, one at a time, and kills them; see killed_run.py."""
+
+    def __init__(self) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, SCRIPT],
+            cwd=ROOT,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.number: int | None = None
+
+    def say(self, text: str) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{text}\n")
+        self.process.stdin.flush()
+
+    def hear(self) -> list[str]:
+        assert self.process.stdout is not None
+        return self.process.stdout.readline().split()
+
+    def start(self, folder: Path, verb: str, until: str) -> None:
+        """Start a run and return when it has said a word."""
+        self.say(json.dumps([str(folder), BATCHES, verb]))
+        word, number = self.hear()
+        assert word == "ready"
+        self.number = int(number)
+        if until == "tracing":
+            assert self.hear() == ["tracing"]
+
+    def kill(self) -> None:
+        """Kill the run, whatever it is at."""
+        assert self.number is not None
+        os.kill(self.number, signal.SIGKILL)
+        self.number = None
+        self.say("")
+        while (heard := self.hear())[0] != "ended":
+            assert heard == ["tracing"]
+        assert heard[1] == str(-signal.SIGKILL), "it was done before the kill: raise BATCHES"
+
+
+@pytest.fixture
+def runs() -> Iterator[Runs]:
+    made = Runs()
+    yield made
+    if made.number is not None:  # the test failed on the way
+        os.kill(made.number, signal.SIGKILL)
+    made.process.communicate()
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-def test_killed_at_fifty_random_moments(tmp_path):
+def test_killed_at_fifty_random_moments(tmp_path, runs):
     # Each wave is one batch and ends in a checkpoint, so many moments fall into writing one. Every
     # run goes on from the one killed before it.
     chance = random.Random(20261122)
@@ -50,11 +90,9 @@ def test_killed_at_fifty_random_moments(tmp_path):
         begun = (folder / "checkpoint.nc").exists()
         # one in five while it starts up, the others while it traces
         until = "tracing" if k % 5 else "ready"
-        process = start(folder, "resume" if begun else "run", until)
+        runs.start(folder, "resume" if begun else "run", until)
         time.sleep(chance.uniform(0.0, 0.25))
-        assert process.poll() is None, "it was done before it could be killed: raise BATCHES"
-        process.kill()
-        process.communicate()
+        runs.kill()
         torn += any(folder.glob(f"{TEMPORARY}*"))
         if not (folder / "checkpoint.nc").exists():
             continue  # before the very first one was there
