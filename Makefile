@@ -24,7 +24,7 @@ INPUTS := pyproject.toml .ci/setup
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.stamp-run
-	$(BIN)/photizon run integrating-sphere --out out/integrating-sphere --replace
+	$(BIN)/photizon run integrating-sphere --out out/integrating-sphere
 
 test: lint types
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS)

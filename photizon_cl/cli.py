@@ -78,10 +78,6 @@ def _add_run(run: argparse.ArgumentParser) -> None:
     run.add_argument("--device", metavar="D", help=_DEVICE)
     run.add_argument("--precision", metavar="P", help="fp64")
     run.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
-    run.add_argument(
-        "--replace", action="store_true",
-        help="let DIR lose the finished result of another scene, seed or settings",
-    )  # fmt: skip
     run.add_argument("--json", action="store_true", help="print the summary as JSON, nothing else")
     run.add_argument(
         "--recipe", metavar="TOKEN",

@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     from photizon_cl.simulation import trace, with_settings
 
     as_run = with_settings(scene, seed=arguments.seed, rays_per_batch=arguments.rays_per_batch)
-    _check_out(arguments, as_run)
+    _tell_loss(arguments.out, as_run)
     said = _warn_of_splitting(scene)
     with _Display(scene.title or scene.name) as display:
         if recipe is not None:
@@ -93,14 +93,17 @@ def resume(arguments: argparse.Namespace) -> int:
     return _give(result, arguments.directory, as_json=arguments.json)
 
 
-def _check_out(arguments: argparse.Namespace, as_run: Scene) -> None:
-    """Refuse to lose the finished result of another run, unless asked to."""
-    from photizon_cl.result_directory import check_same_run
+def _tell_loss(out: str | None, as_run: Scene) -> None:
+    """Say, while it can still be kept, that another run's result will be replaced."""
+    from photizon_cl.result_directory import what_is_lost
 
-    if arguments.out is not None and not arguments.replace:
-        check_same_run(arguments.out, as_run)
-    if arguments.out is None and arguments.replace:
-        raise ArgumentError("--replace: found without --out, expected a directory with it")
+    lost = what_is_lost(out, as_run) if out is not None else ""
+    if lost:
+        print(
+            f"photizon: {show(out)} holds the result of {lost}; this run's will replace it at the "
+            "end (Ctrl-C keeps it)",
+            file=sys.stderr,
+        )
 
 
 def _recipe(arguments: argparse.Namespace) -> Recipe:

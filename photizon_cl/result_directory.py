@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 __all__ = [
     "ARRAYS",
     "CHECKPOINT",
-    "check_same_run",
     "open_result",
     "prepare_target",
     "read",
     "save",
     "unfinished",
+    "what_is_lost",
 ]
 
 ARRAYS: Final = "result.nc"
@@ -120,8 +120,8 @@ def _check_longer(folder: Path, old: Result, result: Result) -> None:
         )
 
 
-def check_same_run(path: str | os.PathLike[str], scene: Scene) -> None:
-    """Refuse a directory that holds the finished result of another run.
+def what_is_lost(path: str | os.PathLike[str], scene: Scene) -> str:
+    """Return which other run's finished result a directory holds, empty where it holds none.
 
     Parameters
     ----------
@@ -133,25 +133,19 @@ def check_same_run(path: str | os.PathLike[str], scene: Scene) -> None:
     Raises
     ------
     ResultError
-        Where it does, or what is there is damaged or no result.
+        Where what is there is damaged or no result.
     """
     folder = Path(os.fsdecode(path))
     try:
         if not (folder / ARRAYS).is_file():
-            return
+            return ""
     except (OSError, ValueError):  # what is wrong with the path, `prepare_target` tells
-        return
+        return ""
     there = read_scene(folder / ARRAYS)
     if same_stream(there, scene):
-        return
+        return ""
     found, mine = (f"{s.name!r} with seed {s.run.seed}" for s in (there, scene))
-    differs = f"this run is of {mine}"
-    if found == mine:
-        differs = "the scene or its settings have changed since"
-    raise ResultError(
-        f"{show(str(folder))} holds the result of {found}, and {differs}: give another directory, "
-        "or --replace to lose that result"
-    )
+    return f"{found}, of other settings or an older scene" if found == mine else found
 
 
 def prepare_target(path: str | os.PathLike[str], result: Result) -> Path:
