@@ -112,9 +112,9 @@ class Region:
         rows, place = np.array(body.frame, Exact), np.array(body.position, Exact)
         return lambda points: (points - place) @ rows.T
 
-    def ball(self, centre: Any, radius: float, sign: float = 1.0) -> None:
-        """Add a ball around the region, or with sign −1 one outside it."""
-        local = self.body(Sphere, centre, radius=radius)
+    def ball(self, centre: Any, radius: float, sign: float = 1.0, port: float = 0.0) -> None:
+        """Add a ball around the region, perhaps with a port, or with sign −1 one outside it."""
+        local = self.body(Sphere, centre, radius=radius, port_fraction=port)
         r = Exact(radius * self.scale)
         self.heights.append(lambda points: sign * (r - norm(local(points))))
 
@@ -173,7 +173,7 @@ class Region:
         self.heights.append(height if inside else lambda points: -height(points))
 
 
-_NUMBERS = ("acceptance_deg", "baffles")
+_NUMBERS = ("acceptance_deg", "baffles", "port_fraction")
 
 
 def norm(x: Any) -> Any:

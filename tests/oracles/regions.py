@@ -78,6 +78,15 @@ def two_balls(r: Region) -> None:
     r.edges.append(circle(z, math.sqrt(1.0 - (z - 0.4) ** 2)))
 
 
+def closed_port(r: Region) -> None:
+    """In a ball with a small port that a disk closes."""
+    share = 1e-3
+    r.ball((0.0, 0.0, 0.0), 1.0, port=share)
+    height, rim = 1.0 - 2.0 * share, 2.0 * math.sqrt(share * (1.0 - share))
+    r.plane((0, 0, -1), (0, 0, height), rim)
+    r.edges.append(circle(height, rim))
+
+
 def closed_cpc(r: Region) -> None:
     """In a concentrator with both apertures closed by disks."""
     cpc = r.cpc(0.3, 25.0)
@@ -181,7 +190,8 @@ def ball_in_lens(r: Region) -> None:
 REGIONS = {
     f.__name__.replace("_", " "): f
     for f in (
-        tube_and_plates, tube_cut, ball_in_tube, two_balls, closed_cpc, halved_cpc, halved_lens,
+        tube_and_plates, tube_cut, ball_in_tube, two_balls, closed_port, closed_cpc, halved_cpc,
+        halved_lens,
         lens_on_a_plate, beside_a_lens, ball_in_lens,
     )
 }  # fmt: skip
