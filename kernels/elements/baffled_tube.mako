@@ -7,7 +7,8 @@
 <%def name="starts(face, within, height, speed, nx, ny, nz)">
 % if "contact" in effects:
         // noted from farther beside the face than it is hit from, as for flat faces
-        const mask beside = met & LE(fabs(off), 64.0 * most) & ${within("128.0 * most")};
+        mask beside = met & LE(fabs(off), 64.0 * most);
+        if (ANY(beside)) beside &= ${within("128.0 * most")};
         search->doubtful |= beside;
         if (search->careful && ANY(beside)) {
             real nx, ny, nz;
@@ -106,9 +107,11 @@ FN real beside_plates_${cls.suffix}(const scene_t *scene, lint row, const packet
     const lint plate = WITH_FACE(WITHOUT_FACE(code), TO_LINT(i) + 3L);
     mask above = SEL(EQ(p->left >> 2, plate), NE(p->left & 2L, lsplat(0L)), LT(dz, splat(0.0)));
 % if "contact" in effects:
-    mask below;
-    const mask known = known_side(&h->noted, near, plate, &below);
-    above = SEL(known & NE(p->left >> 2, plate), ~below, above);
+    if (ANY(near)) {
+        mask below;
+        const mask known = known_side(&h->noted, near, plate, &below);
+        above = SEL(known & NE(p->left >> 2, plate), ~below, above);
+    }
 % endif
     return SEL(near, at + SEL(above, room, -room), z);
 }
