@@ -225,7 +225,7 @@ def _effects(scene: Scene, settings: RunSettings, weights: list[float]) -> set[s
                 used.add("ladder")
     if any(getattr(s, "tilt_deg", (0.0, 0.0)) != (0.0, 0.0) for s in scene.source):
         used.add("tilt")
-    if in_contact(scene.element):
+    if in_contact(scene.element, scene.source):
         used.add("contact")
     if scene.far_field is not None:
         used.add("far-field")

@@ -13,14 +13,17 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.elements import Sphere
+from photizon_cl.elements import BaffledTube, Sphere
 from photizon_cl.neighbours import neighbours, room_for_rounding
 from photizon_cl.tree import world_boxes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from photizon_cl.elements import Element
+    from photizon_cl.sources import Source
 
 __all__ = ["in_contact", "note_words"]
 
@@ -34,20 +37,59 @@ where it needs 2, in packets of 16 lanes.
 """
 
 
-def in_contact(elements: Sequence[Element]) -> bool:
-    """Say whether any two elements may touch or cross otherwise than along shared edges."""
+def in_contact(elements: Sequence[Element], sources: Sequence[Source] = ()) -> bool:
+    """Say whether rays must remember on which side of elements that touch they are.
+
+    They must where any two elements may touch or cross otherwise than along an edge of both; and
+    where they may share an edge, unless everything that a ray could come from, elements and
+    `sources`, stands inside the angle between them, as in a room. At the outside of an edge a ray
+    that was put back onto one wall may be behind the other.
+    """
     if len(elements) > _PAIRS:
         return True
-    if len(elements) < 2:
+    if not elements:
         return False
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
     room = room_for_rounding(boxes)
+    things = np.array([corner for e in elements for corner in _corners(e)])
+    around = [_around(s.position, s.packed()[0] if s.packed() else 0.0) for s in sources]
+    points = np.concatenate([things, *around])
+    if any(_beside_tube(e, points, room) for e in elements if isinstance(e, BaffledTube)):
+        return True
     return any(
-        _touch(elements[i], elements[j], room)
+        _touch(elements[i], elements[j], room) or _seen_from_outside(elements, i, j, points, room)
         for first, second in neighbours(boxes, room)
         for i, j in zip(first.tolist(), second.tolist(), strict=True)
         if i < j
     )
+
+
+def _around(position: Sequence[float], radius: float) -> NDArray[np.float64]:
+    signs = np.array(list(product((-1.0, 1.0), repeat=3)))
+    return np.array(position) + radius * signs
+
+
+def _beside_tube(tube: BaffledTube, points: NDArray[np.float64], room: float) -> bool:
+    """Say whether any point is beside a tube, where its long edges are outer ones."""
+    u, v, _ = np.array(tube.frame)
+    offsets = points - np.array(tube.position)
+    reach = np.maximum(np.abs(offsets @ u), np.abs(offsets @ v))
+    return bool((reach > tube.half_width + room).any())
+
+
+def _seen_from_outside(
+    elements: Sequence[Element], i: int, j: int, points: NDArray[np.float64], room: float
+) -> bool:
+    """Say whether any point is not in the angle between two flat elements that may share an edge."""
+    if not (elements[i].flat and elements[j].flat):
+        return False
+    for flat, other in ((elements[i], elements[j]), (elements[j], elements[i])):
+        normal, origin = np.array(flat.frame[2]), np.array(flat.position)
+        low, high = _heights(flat, other)
+        side = 1.0 if high > -low else -1.0
+        if (side * ((points - origin) @ normal) < -room).any():
+            return True
+    return False
 
 
 def note_words(elements: Sequence[Element]) -> int:
