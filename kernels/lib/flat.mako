@@ -7,7 +7,7 @@
 // Row: 0-2 centre, 3-4 half sizes with their rounding bound, 5-6 half sizes less that bound,
 // 7 rounding bound of the plane, 8 sign of the normal along its axis, 9 what a tilted plane adds to
 // that for each metre from its centre, 10 how far beside its edge a face that meets it there may be,
-// in that bound, 15-23 frame.
+// in units of 11, 11 rounding bound of where other faces end at the plane, 15-23 frame.
 //
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
 // rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.
@@ -38,7 +38,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     *fy = fabs(v);
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
 % if "contact" in effects:
-    const real most = splat(${"fma(row[3] + row[4], row[9], row[7])" if a is None else "row[7]"});
+    const real most = splat(row[11]);
     mask beside = LE(fabs(h), 64.0 * most) & ~departed & p->alive;
     real at_u = u, at_v = v;
     if (ANY(beside)) beside &= about_${cls.suffix}(row, most, &at_u, &at_v);

@@ -67,7 +67,13 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     const mask was_inside = EQ(p->left & 2L, lsplat(0L));
 % if cls.kind == "baffled_tube":
     const mask plate = GE(FACE_OF(h->code), lsplat(4L));
-    c->from_minus |= same & ~plate & (was_inside | GE(FACE_OF(p->left >> 2), lsplat(4L)));
+% if "contact" in effects:
+    // ... unless it is in a corner, where its side of every face is known
+    const mask inward = GT(h->t, splat(0.0));
+% else:
+    const mask inward = lsplat(-1L);
+% endif
+    c->from_minus |= same & ~plate & inward & (was_inside | GE(FACE_OF(p->left >> 2), lsplat(4L)));
     c->inner |= m & plate;
 % else:
     c->from_minus |= same & was_inside;

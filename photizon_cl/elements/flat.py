@@ -58,16 +58,17 @@ class Flat(Element):
         room = [at_edges * _ROUNDOFF * (h + far) for h in half]
         outer = [h + grows * r for h, r in zip(half, room, strict=True)]
         inner = [max(h - shrinks * r, 0.5 * h) for h, r in zip(half, room, strict=True)]
-        # What comes to this plane on another face has crossed about as much as this one's size. The
-        # rounding of all coordinates, not of this one alone: other faces end here to within that.
-        plane = far if axis is None else far + max(half)
+        # what comes to this plane on another face has crossed about as much as this one's size
+        plane = far if axis is None else abs(centre[axis]) + max(half)
+        # other faces end at this one to within the rounding of all coordinates
+        ends = far + (sum(half) if axis is None else max(half))
         sign = -1.0 if axis_index(self.axis) % 2 else 1.0
         # how far aside a point of a face that meets this one at its edge may be where it is 64 of
         # the plane's bounds over it
         aside = 64.0 * max(at_edges, 2.0)
         # a tilted plane's rounding grows with the distance from its centre
         slope = 4.0 * _ROUNDOFF
-        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign, slope, aside)
+        return (*outer, *inner, 4.0 * _ROUNDOFF * plane, sign, slope, aside, 4.0 * _ROUNDOFF * ends)
 
     def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
         """Return edges in metres along u and along v over the bounding rectangle."""
