@@ -136,7 +136,9 @@ class ProgramSpec:
     n_elements: int
     """Number of elements where the ledger is kept in registers, else 0."""
     note_words: int = 0
-    """Words in which a ray remembers the faces around where it started, four faces to a word."""
+    """Words in which a ray remembers the faces around where it started."""
+    note_bits: int = 16
+    """Bits of a face there: 16 for up to 2047 elements, else 32."""
     lanes: int = 1
     interleaved: bool = False
     private_tallies: bool = False
@@ -205,6 +207,7 @@ def program_source(spec: ProgramSpec) -> str:
         "material_stride": MATERIAL_STRIDE,
         "source_stride": SOURCE_STRIDE,
         "note_words": spec.note_words,
+        "note_bits": spec.note_bits,
         "tree_width": TREE_WIDTH,
         "tree_stack": TREE_STACK,
         "launch_struct": c_struct("launch_t", LAUNCH),

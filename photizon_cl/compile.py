@@ -11,7 +11,7 @@ import numpy as np
 from hostcode.program import MAX_REGISTER_ELEMENTS, ProgramSpec, SourceKind
 from hostcode.tables import DeviceTables
 from hostcode.tally import image
-from photizon_cl.contact import in_contact, note_words
+from photizon_cl.contact import in_contact, note_size
 from photizon_cl.edges import azimuth_edges, even_edges
 from photizon_cl.errors import ArgumentError
 from photizon_cl.layout import DetectorCells, TallyLayout, lay_out
@@ -164,12 +164,14 @@ def compile_scene(
     kinds = sorted({(s.kernel, extended(s)) for s in scene.source})
     sources = tuple(SourceKind(stem, n, extended) for n, (stem, extended) in enumerate(kinds))
     in_registers = 0 < len(scene.element) <= MAX_REGISTER_ELEMENTS
+    words, bits = note_size(scene.element) if "contact" in effects else (0, 16)
     spec = ProgramSpec(
         classes=classes,
         surfaces=surfaces,
         sources=sources,
         effects=frozenset(effects & _COMPILED),
-        note_words=note_words(scene.element) if "contact" in effects else 0,
+        note_words=words,
+        note_bits=bits,
         n_elements=len(scene.element) if in_registers else 0,
     )
     tables = DeviceTables(

@@ -25,16 +25,18 @@ if TYPE_CHECKING:
     from photizon_cl.elements import Element
     from photizon_cl.sources import Source
 
-__all__ = ["in_contact", "note_words"]
+__all__ = ["in_contact", "note_size"]
 
 _PAIRS: Final = 300
 """More elements than this are taken to touch, rather than look at every pair."""
-_WORDS: Final = (2, 4, 6)
-"""Sizes of what a ray remembers, four faces to a word: few, so that scenes share programs.
+_SLOTS: Final = (8, 16, 24)
+"""Numbers of faces that a ray may remember: few, so that scenes share programs.
 
-Words beyond what a scene can need change nothing and cost it time: 4 and 10 % for 4 and 6 words
-where it needs 2, in packets of 16 lanes.
+More than a scene can need changes nothing and costs it time: 4 and 10 % for 16 and 24 faces where
+it needs 8, in packets of 16 lanes.
 """
+_SHORT: Final = 2047
+"""Up to this many elements a face has 16 bits in what a ray remembers, else 32."""
 
 
 def in_contact(elements: Sequence[Element], sources: Sequence[Source] = ()) -> bool:
@@ -92,19 +94,24 @@ def _seen_from_outside(
     return False
 
 
-def note_words(elements: Sequence[Element]) -> int:
-    """Return how many words a ray needs to remember all faces that may meet at a point.
+def note_size(elements: Sequence[Element]) -> tuple[int, int]:
+    """Return in how many words, and bits a face, a ray can remember all faces that meet at a point.
 
-    No more than 24 fit: where more meet, those of the first elements are remembered.
+    No more than 24 faces: where more meet, those of the first elements are remembered.
     """
+    bits = 16 if len(elements) <= _SHORT else 32
+    return _slots(elements) * bits // 64, bits
+
+
+def _slots(elements: Sequence[Element]) -> int:
     if len(elements) > _PAIRS:
-        return _WORDS[-1]
+        return _SLOTS[-1]
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
     own = np.array([e.faces_at_a_point for e in elements])
     faces = own.astype(np.float64)
     for first, second in neighbours(boxes, room_for_rounding(boxes)):
         faces += np.bincount(first, own[second], len(elements))
-    return next((n for n in _WORDS if 4 * n >= faces.max()), _WORDS[-1])
+    return next((n for n in _SLOTS if n >= faces.max()), _SLOTS[-1])
 
 
 def _touch(a: Element, b: Element, room: float) -> bool:

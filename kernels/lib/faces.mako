@@ -10,17 +10,15 @@
 // - Where that says nothing (the edges of two faces), the sign of the distance decides.
 % if "contact" in effects:
 //
-// What is found here is noted for the next search: ${4 * note_words - 1} faces in order, so that the
-// order of the search does not matter, and in the lowest place, by `turn_page`, the face that the ray
-// left.
-#define SLOT_BITS 16
-#define NO_SLOT 0xFFFFL
-// Element and face in 15 bits, over whether it is on the + side.  The first 2048 elements have numbers
-// of their own; the multiple keeps apart those that a scene made of rows of 2^n would bring together.
-// Of a tube's plates (faces from 4 on) those eight apart share one.  NO_SLOT is none of them.
-#define SLOT_KEY(x) (((x) & 0x7FFFL) - ((((x) & 0x7FFFL) + 1L) >> 15))
+// What is found here is noted for the next search: ${64 // note_bits * note_words - 1} faces in order, so
+// that the order of the search does not matter, and in the lowest place, by `turn_page`, the face that
+// the ray left.
+#define SLOT_BITS ${note_bits}
+#define NO_SLOT ${hex(2**note_bits - 1)}L
+// Element and face, over whether it is on the + side: 16 bits are enough for 2047 elements.  Of a
+// tube's plates (faces from 4 on) those eight apart share a number.  NO_SLOT is none of them.
 #define SLOT_FACE(face) SEL(LT(face, lsplat(4L)), face, ((face) & 7L) + 4L)
-#define SLOT_OF(element, face) (SLOT_KEY((((element) + ((element) >> 11) * 1109L) << 4) + SLOT_FACE(face)) << 1)
+#define SLOT_OF(element, face) ((((element) << 4) + SLOT_FACE(face)) << 1)
 
 // The lanes of m that a list of notes knows to be on one side of a face; on_minus: whether that is the
 // - side.

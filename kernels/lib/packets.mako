@@ -35,7 +35,7 @@ typedef struct {
 } scene_t;
 
 % if "contact" in effects:
-// Faces and the side of each that a ray is on, four to a word (faces.mako).
+// Faces and the side of each that a ray is on (faces.mako).
 typedef struct { lint ${", ".join(f"word{n}" for n in range(note_words))}; } notes_t;
 
 % endif

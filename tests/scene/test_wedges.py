@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from photizon_cl.contact import in_contact, note_words
+from photizon_cl.contact import in_contact, note_size
 from photizon_cl.elements import BaffledTube, Disk, Rectangle, Sphere
 from photizon_cl.neighbours import neighbours
 from photizon_cl.stability.families_mixed import room
@@ -111,7 +111,7 @@ def test_neighbours_by_tree_are_those_by_comparison(monkeypatch: pytest.MonkeyPa
 def test_words_for_as_many_faces_as_can_meet() -> None:
     box = list(room((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), surface=SILVER))
     assert not in_contact(box)
-    assert note_words(box) == 2
+    assert note_size(box) == (2, 16)
     tubes = [
         BaffledTube(
             name="tube",
@@ -123,7 +123,8 @@ def test_words_for_as_many_faces_as_can_meet() -> None:
         )
         for x in (0.2, 0.8)
     ]
-    assert note_words([*box, tubes[0]]) == 2
-    assert note_words([*box, *tubes]) == 4
+    assert note_size([*box, tubes[0]]) == (2, 16)
+    assert note_size([*box, *tubes]) == (4, 16)
     cells = [w for x in (0, 1) for y in (0, 1) for w in room((x, y, 0), (x + 1, y + 1, 1.0))]
-    assert note_words(cells) == 6
+    assert note_size(cells) == (6, 16)
+    assert note_size(box * 400) == (12, 32)
