@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.elements import BaffledTube, Sphere
-from photizon_cl.neighbours import neighbours, room_for_rounding
+from photizon_cl.neighbours import neighbours, rooms_for_rounding
 from photizon_cl.tree import world_boxes
 
 if TYPE_CHECKING:
@@ -52,18 +52,22 @@ def in_contact(elements: Sequence[Element], sources: Sequence[Source] = ()) -> b
     if not elements:
         return False
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
-    room = room_for_rounding(boxes)
+    rooms = rooms_for_rounding(boxes)
     things = np.array([corner for e in elements for corner in _corners(e)])
     around = [_around(s.position, s.packed()[0] if s.packed() else 0.0) for s in sources]
     points = np.concatenate([things, *around])
-    if any(_beside_tube(e, points, room) for e in elements if isinstance(e, BaffledTube)):
+    if any(
+        _beside_tube(e, points, float(room))
+        for e, room in zip(elements, rooms, strict=True)
+        if isinstance(e, BaffledTube)
+    ):
         return True
-    return any(
-        _touch(elements[i], elements[j], room) or _seen_from_outside(elements, i, j, points, room)
-        for first, second in neighbours(boxes, room)
-        for i, j in zip(first.tolist(), second.tolist(), strict=True)
-        if i < j
-    )
+    for first, second in neighbours(boxes):
+        for i, j in zip(first.tolist(), second.tolist(), strict=True):
+            a, b, room = elements[i], elements[j], float(max(rooms[i], rooms[j]))
+            if i < j and (_touch(a, b, room) or _seen_from_outside(a, b, points, room)):
+                return True
+    return False
 
 
 def _around(position: Sequence[float], radius: float) -> NDArray[np.float64]:
@@ -80,12 +84,12 @@ def _beside_tube(tube: BaffledTube, points: NDArray[np.float64], room: float) ->
 
 
 def _seen_from_outside(
-    elements: Sequence[Element], i: int, j: int, points: NDArray[np.float64], room: float
+    a: Element, b: Element, points: NDArray[np.float64], room: float
 ) -> bool:
     """Say whether any point is not in the angle between two flat elements that may share an edge."""
-    if not (elements[i].flat and elements[j].flat):
+    if not (a.flat and b.flat):
         return False
-    for flat, other in ((elements[i], elements[j]), (elements[j], elements[i])):
+    for flat, other in ((a, b), (b, a)):
         normal, origin = np.array(flat.frame[2]), np.array(flat.position)
         low, high = _heights(flat, other)
         side = 1.0 if high > -low else -1.0
@@ -109,7 +113,7 @@ def _slots(elements: Sequence[Element]) -> int:
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
     own = np.array([e.faces_at_a_point for e in elements])
     faces = own.astype(np.float64)
-    for first, second in neighbours(boxes, room_for_rounding(boxes)):
+    for first, second in neighbours(boxes):
         faces += np.bincount(first, own[second], len(elements))
     return next((n for n in _SLOTS if n >= faces.max()), _SLOTS[-1])
 

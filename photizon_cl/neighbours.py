@@ -13,33 +13,31 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["neighbours", "room_for_rounding"]
+__all__ = ["neighbours", "rooms_for_rounding"]
 
 _DENSE: Final = 1000
 """Up to this many boxes each is compared with each."""
-_AT_ONCE: Final = 1024
+_AT_ONCE: Final = 256
 """Boxes sought in the tree at once."""
 _ROOM: Final = 2.0**-40
-"""Distance at which elements count as touching, relative to the scene's farthest coordinate."""
+"""Distance at which elements count as touching, relative to their farthest coordinate."""
 
 
-def room_for_rounding(boxes: NDArray[np.float64]) -> float:
-    """Return the distance in metres at which elements with these boxes count as touching."""
-    return _ROOM * float(np.max(np.abs(boxes), initial=0.0))
+def rooms_for_rounding(boxes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return for each box the distance in metres at which something counts as touching it."""
+    return _ROOM * np.abs(boxes).max(axis=1, initial=0.0)
 
 
 Pairs = tuple["NDArray[np.int64]", "NDArray[np.int64]"]
 
 
-def neighbours(boxes: NDArray[np.float64], room: float) -> Iterator[Pairs]:
-    """Give the ordered pairs of different boxes that meet or are no farther apart than `room`.
+def neighbours(boxes: NDArray[np.float64]) -> Iterator[Pairs]:
+    """Give the ordered pairs of different boxes that meet, rounding allowed for.
 
     Parameters
     ----------
     boxes : ndarray, shape (n, 6), float64
         Low and high corners in metres.
-    room : float
-        In metres.
 
     Yields
     ------
@@ -48,26 +46,27 @@ def neighbours(boxes: NDArray[np.float64], room: float) -> Iterator[Pairs]:
         of i and then of j.
     """
     n = len(boxes)
+    room = rooms_for_rounding(boxes)[:, None]
+    boxes = np.hstack((boxes[:, :3] - room, boxes[:, 3:] + room))
     if n <= _DENSE:
-        below = (boxes[:, None, :3] <= boxes[None, :, 3:] + room).all(axis=2)
+        below = (boxes[:, None, :3] <= boxes[None, :, 3:]).all(axis=2)
         first, second = np.nonzero(below & below.T & ~np.eye(n, dtype=bool))
         yield first, second
         return
     nodes, children = build_tree(boxes)
     for start in range(0, n, _AT_ONCE):
         sought = np.arange(start, min(start + _AT_ONCE, n))
-        yield _seek(boxes, sought, room, nodes, children)
+        yield _seek(boxes, sought, nodes, children)
 
 
 def _seek(
     boxes: NDArray[np.float64],
     sought: NDArray[np.int64],
-    room: float,
     nodes: NDArray[np.float64],
     children: NDArray[np.int64],
 ) -> Pairs:
     """Return the pairs of some boxes with any, down the tree a level at a time."""
-    low, high = boxes[:, :3, None] - room, boxes[:, 3:, None] + room
+    low, high = boxes[:, :3, None], boxes[:, 3:, None]
     pairs = [np.empty((2, 0), np.int64)]
     node = np.zeros(len(sought), np.int64)
     while len(sought):

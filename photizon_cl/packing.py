@@ -125,7 +125,7 @@ def add_tree(
     geometry: NDArray[np.float64],
 ) -> tuple[list[int], NDArray[np.float64]]:
     """Return codes and geometry with a tree of boxes, see ``kernels/effects/acceleration.mako``."""
-    boxes = world_boxes(scene.element, shift, factors)
+    boxes = world_boxes(scene.element, shift, factors.max(axis=1))
     nodes, children = build_tree(boxes)
     table = codes_by_class(codes, n_classes, n_classes + 2)
     # a node begins at a whole vector of eight; the scene's size stands before the first

@@ -49,7 +49,7 @@ def world_boxes(
     shift : tuple of float
         Taken off every position, in metres.
     at_edges : ndarray, shape (n,), float64, optional
-        Factors of the bounds at the elements' edges, from `photizon_cl.wedges.edge_factors`;
+        Largest factor of the bounds at an element's edges, from `photizon_cl.wedges.edge_factors`;
         default all 1.
 
     Returns

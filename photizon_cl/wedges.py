@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from photizon_cl.elements import BaffledTube, Disk, Rectangle, Sphere
-from photizon_cl.neighbours import neighbours, room_for_rounding
+from photizon_cl.neighbours import neighbours, rooms_for_rounding
 from photizon_cl.tree import world_boxes
 
 if TYPE_CHECKING:
@@ -42,11 +42,12 @@ def edge_factors(elements: Sequence[Element]) -> NDArray[np.float64]:
 
     Returns
     -------
-    ndarray, shape (n,), float64
-        1/sin of the smallest angle that a rectangle makes with a plane face on which one of its
-        edges lies, or a disk with the sphere on which its rim lies, if that is more than 2; else 1.
+    ndarray, shape (n, 4), float64
+        For the edges at +u, −u, +v and −v: 1/sin of the smallest angle that a rectangle makes with a
+        plane face on which this edge lies, or a disk with the sphere on which its rim lies, if that
+        is more than 2; else 1.
     """
-    factors = np.ones(len(elements))
+    factors = np.ones((len(elements), 4))
     plane = [n for n, e in enumerate(elements) if e.flat or isinstance(e, BaffledTube)]
     disks = any(isinstance(elements[n], Disk) for n in plane)
     balls = [n for n, e in enumerate(elements) if disks and isinstance(e, Sphere)]
@@ -65,20 +66,22 @@ def edge_factors(elements: Sequence[Element]) -> NDArray[np.float64]:
 
 
 def _factors(elements: Sequence[Element]) -> NDArray[np.float64]:
-    factors = np.ones(len(elements))
+    factors = np.ones((len(elements), 4))
     tilted = np.array([e.tilt_deg != (0.0, 0.0) for e in elements])
     sides = np.array([isinstance(e, Rectangle) for e in elements])
     rims = np.array([isinstance(e, Disk) for e in elements])
     balls = np.array([isinstance(e, Sphere) for e in elements])
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
-    room = room_for_rounding(boxes)
+    rooms = rooms_for_rounding(boxes)
     faces = _Faces(elements)
-    for first, second in neighbours(boxes, room):
+    for first, second in neighbours(boxes):
         angle = sides[first] & ~balls[second] & (tilted[first] | tilted[second])
-        _sharpen(factors, faces, first[angle], second[angle], room)
+        _sharpen(factors, faces, first[angle], second[angle], rooms)
         on_ball = rims[first] & balls[second]
         for i, j in zip(first[on_ball].tolist(), second[on_ball].tolist(), strict=True):
-            factors[i] = max(factors[i], 1.0 / _rim_on_ball(elements[i], elements[j], room))
+            room = float(max(rooms[i], rooms[j]))
+            sine = _rim_on_ball(elements[i], elements[j], room)
+            factors[i] = np.maximum(factors[i], 1.0 / sine)
     factors[factors < 1.0 / _SHARP] = 1.0
     return factors
 
@@ -118,7 +121,7 @@ def _sharpen(
     faces: _Faces,
     first: NDArray[np.int64],
     second: NDArray[np.int64],
-    room: float,
+    rooms: NDArray[np.float64],
 ) -> None:
     """Raise the factors of rectangles `first` by the angles they make with faces of `second`."""
     begin, table = faces.begin, faces.table
@@ -126,9 +129,10 @@ def _sharpen(
     one = np.repeat(first, many)
     within = np.arange(len(one)) - np.repeat(np.cumsum(many) - many, many)
     other = np.repeat(begin[second], many) + within
+    room = np.repeat(np.maximum(rooms[first], rooms[second]), many)
     for start in range(0, len(one), _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
-        sine = _sharpest(table[begin[one[part]]], table[other[part]], room)
+        sine = _sharpest(table[begin[one[part]]], table[other[part]], room[part])
         np.maximum.at(factors, one[part], 1.0 / sine)
 
 
@@ -151,21 +155,23 @@ def _faces(element: Element) -> list[list[float]]:
     return [[*c, *(x for row in f for x in row), *half] for c, f, half in found]
 
 
-def _sharpest(a: NDArray[np.float64], b: NDArray[np.float64], room: float) -> NDArray[np.float64]:
-    """Return the least sine of the angles at which edges of rectangles end on faces, else 1."""
+def _sharpest(
+    a: NDArray[np.float64], b: NDArray[np.float64], room: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the sines of the angles at which the edges of rectangles end on faces, else 1."""
     centre, half = a[:, :3], a[:, 12:14]
     normal = b[:, 9:12]
-    sine = np.ones(len(a))
+    sine = np.ones((len(a), 4))
     for along, across in ((0, 1), (1, 0)):
         e, f = a[:, 3 + 3 * along : 6 + 3 * along], a[:, 3 + 3 * across : 6 + 3 * across]
-        for sign in (1.0, -1.0):
+        for k, sign in enumerate((1.0, -1.0)):
             edge = centre + sign * half[:, along, None] * e - b[:, :3]
             height = _dot(edge, normal)
             slope = half[:, across] * np.abs(_dot(f, normal))
             rise = np.abs(_dot(e, normal))
             # the edge lies in the face's plane, and not the whole rectangle
             ends = (np.abs(height) + slope <= room) & (2.0 * half[:, along] * rise > room)
-            sine = np.minimum(sine, np.where(ends, rise, 1.0))
+            sine[ends, 2 * along + k] = rise[ends]
     return sine
 
 

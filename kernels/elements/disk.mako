@@ -15,7 +15,7 @@ FN mask about_${cls.suffix}(__global const double *row, real near, real *x, real
     const real k = SEL(in & GT(r, splat(row[3])), row[3] / r, splat(1.0));
     *x *= k;
     *y *= k;
-    return in | LE(r, row[3] + row[10] * near);
+    return in | LE(r, row[3] + row[9] * near);
 }
 % endif
 

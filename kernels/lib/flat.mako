@@ -5,9 +5,10 @@
 %>
 // ${cls.kind}, ${"tilted" if a is None else "perpendicular to " + names[a]}.
 // Row: 0-2 centre, 3-4 half sizes with their rounding bound, 5-6 half sizes less that bound,
-// 7 rounding bound of the plane, 8 sign of the normal along its axis, 9 what a tilted plane adds to
-// that for each metre from its centre, 10 how far beside its edge a face that meets it there may be,
-// in units of 11, 11 rounding bound of where other faces end at the plane, 15-23 frame.
+// 7 rounding bound of the plane, to which a tilted one adds with the distance from its centre, 8 sign
+// of the normal along its axis, 9 how far beside its edge a face that meets it there may be, in units
+// of 10, 10 rounding bound of where other faces end at the plane, 11-12 and 13-14 as 3-4 and 5-6 but on
+// the other side of the centre, 15-23 frame.
 //
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
 // rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.
@@ -23,7 +24,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     const real dv = dot3(p->dx, p->dy, p->dz, splat(f[3]), splat(f[4]), splat(f[5]));
     const real dh = dot3(p->dx, p->dy, p->dz, splat(f[6]), splat(f[7]), splat(f[8]));
     const real sign = splat(1.0);
-    const real near = fma(fabs(u) + fabs(v), splat(row[9]), splat(row[7]));
+    const real near = fma(fabs(u) + fabs(v), splat(4.0 * UNIT_ROUNDOFF), splat(row[7]));
 % else:
 <% a1, a2 = (a + 1) % 3, (a + 2) % 3 %>
     const real u = p->o${names[a1]} - row[${a1}], v = p->o${names[a2]} - row[${a2}];
@@ -38,7 +39,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     *fy = fabs(v);
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
 % if "contact" in effects:
-    const real most = splat(row[11]);
+    const real most = splat(row[10]);
     mask beside = LE(fabs(h), 64.0 * most) & ~departed & p->alive;
     real at_u = u, at_v = v;
     if (ANY(beside)) beside &= about_${cls.suffix}(row, most, &at_u, &at_v);
