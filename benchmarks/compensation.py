@@ -93,12 +93,12 @@ PARTS = (
         (
             (
                 "elements/rectangle.mako",
-                "LE(ax, fma(fx, splat(4.0 * UNIT_ROUNDOFF), splat(row[3])))",
+                "LE(ax, bx + row[3])",
                 "LE(ax, splat(0.5 * (row[3] + row[5])))",
             ),
             (
                 "elements/rectangle.mako",
-                "LE(ay, fma(fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[4])))",
+                "LE(ay, by + row[4])",
                 "LE(ay, splat(0.5 * (row[4] + row[6])))",
             ),
         ),

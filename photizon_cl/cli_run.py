@@ -100,8 +100,8 @@ def _tell_loss(out: str | None, as_run: Scene) -> None:
     lost = what_is_lost(out, as_run) if out is not None else ""
     if lost:
         print(
-            f"photizon: {show(out)} holds the result of {lost}; this run's will replace it at the "
-            "end (Ctrl-C keeps it)",
+            f"photizon: {show(out)} holds the result of {lost}, which this run's will replace; "
+            "another directory keeps both",
             file=sys.stderr,
         )
 

@@ -83,10 +83,8 @@ def _beside_tube(tube: BaffledTube, points: NDArray[np.float64], room: float) ->
     return bool((reach > tube.half_width + room).any())
 
 
-def _seen_from_outside(
-    a: Element, b: Element, points: NDArray[np.float64], room: float
-) -> bool:
-    """Say whether any point is not in the angle between two flat elements that may share an edge."""
+def _seen_from_outside(a: Element, b: Element, points: NDArray[np.float64], room: float) -> bool:
+    """Say whether any point is outside the angle between two flat elements that share an edge."""
     if not (a.flat and b.flat):
         return False
     for flat, other in ((a, b), (b, a)):

@@ -25,7 +25,7 @@ _ROOM: Final = 2.0**-40
 
 def rooms_for_rounding(boxes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return for each box the distance in metres at which something counts as touching it."""
-    return _ROOM * np.abs(boxes).max(axis=1, initial=0.0)
+    return np.asarray(_ROOM * np.abs(boxes).max(axis=1, initial=0.0))
 
 
 Pairs = tuple["NDArray[np.int64]", "NDArray[np.int64]"]

@@ -114,6 +114,8 @@ def _check_longer(folder: Path, old: Result, result: Result) -> None:
     # another engine's batches of the stream may have other bits: the new ones may replace them
     same = same_stream(old.scene, result.scene) and old.info.engine == result.info.engine
     if same and old.batches > result.batches:
+        # what is kept holds the batches of this run's checkpoint too: nothing is left unfinished
+        (folder / CHECKPOINT).unlink(missing_ok=True)
         raise ResultError(
             f"{show(str(folder))} holds {old.batches} batches of this run, more than these "
             f"{result.batches}, and is kept: give another directory, or remove {ARRAYS} there"

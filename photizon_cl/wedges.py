@@ -43,9 +43,9 @@ def edge_factors(elements: Sequence[Element]) -> NDArray[np.float64]:
     Returns
     -------
     ndarray, shape (n, 4), float64
-        For the edges at +u, −u, +v and −v: 1/sin of the smallest angle that a rectangle makes with a
-        plane face on which this edge lies, or a disk with the sphere on which its rim lies, if that
-        is more than 2; else 1.
+        For the edges at +u, −u, +v and −v: 1/sin of the smallest angle that a rectangle makes with
+        a plane face on which this edge lies, or a disk with the sphere on which its rim lies, if
+        that is more than 2; else 1.
     """
     factors = np.ones((len(elements), 4))
     plane = [n for n, e in enumerate(elements) if e.flat or isinstance(e, BaffledTube)]

@@ -103,7 +103,7 @@ _ROWS: Final = (
     Effect(
         "contact",
         "elements that touch or cross: which side of each a ray is on",
-        "five to nine words more a ray",
+        "five to fifteen words more a ray",
     ),
     Effect("port", "spheres with an opening", "a test of each root of a sphere"),
     Effect(

@@ -119,8 +119,8 @@ def test_out_is_refused_before_anything_runs(run, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "lost"),
     [
-        (["cosine-fourth"], "'box-room' with seed 1;"),
-        (["box-room", "--seed", "2"], "'box-room' with seed 1;"),
+        (["cosine-fourth"], "'box-room' with seed 1, which"),
+        (["box-room", "--seed", "2"], "'box-room' with seed 1, which"),
         (["box-room", "--rays-per-batch", "512"], "'box-room' with seed 1, of other settings"),
         (["box-room", "--rays-per-batch", "2048"], None),
     ],
@@ -131,6 +131,15 @@ def test_losing_the_result_of_another_run_is_said(arguments, lost, run, room, tm
     assert status == 0
     assert pz.open_result(tmp_path).batches == 11
     assert f"holds the result of {lost}" in err if lost else "holds the result" not in err
+
+
+def test_a_shorter_run_leaves_nothing_unfinished(run, tmp_path):
+    assert run(*RUN[:2], "--batches", "4", "--rays-per-batch", "64", "--out", tmp_path)[0] == 0
+    status, _, err = run(*RUN[:2], "--batches", "2", "--rays-per-batch", "64", "--out", tmp_path)
+    assert status == 1
+    assert "is kept" in err
+    assert not (tmp_path / "checkpoint.nc").exists()
+    assert run("run", "cosine-fourth", "--batches", "2", "--out", tmp_path)[0] == 0
 
 
 # -- success ---------------------------------------------------------------------------------------

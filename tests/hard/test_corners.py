@@ -82,7 +82,9 @@ def test_a_wedge_leaks_where_its_edges_do_not_know_their_angle(
     degrees: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The test above can fail."""
-    monkeypatch.setattr("photizon_cl.compile.edge_factors", lambda elements: np.ones(len(elements)))
+    monkeypatch.setattr(
+        "photizon_cl.compile.edge_factors", lambda elements: np.ones((len(elements), 4))
+    )
     lost = 0
     for number, (scale, away) in enumerate(PLACES * 4):
         r = np.random.default_rng([16, number])

@@ -257,7 +257,7 @@ MUTANTS = (
     Mutant(
         "edges are open",
         "elements/rectangle.mako",
-        (("splat(row[3])))", "splat(row[3]))) & LT(ax, splat(row[5]))"),),
+        (("LE(ax, bx + row[3])", "LT(ax, splat(row[5]))"),),
         gates.edges_hold,
     ),
     Mutant(

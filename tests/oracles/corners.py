@@ -239,3 +239,34 @@ def from_inside(chamber: Chamber, starts: Any, along: Any) -> tuple[Any, Any]:
     heights = (starts - middle) @ chamber.normals.T - (chamber.offsets - chamber.normals @ middle)
     keep = heights.min(axis=1) > 64.0 * U * chamber.far
     return starts[keep], along[keep]
+
+
+def rays_from_outside(
+    r: np.random.Generator, chamber: Chamber, n: int, walls: int
+) -> tuple[Any, Any]:
+    """Return rays at edges and corners of a chamber from beyond any of its first `walls` planes.
+
+    They start between the other planes, where there are any.
+    """
+    middle = chamber.corners.mean(axis=0)
+    on = on_edges(r, chamber, n)
+    ends = (on + r.integers(-8, 9, (n, 3)) * np.spacing(np.abs(on).astype(float))).astype(float)
+    away = r.normal(size=(n, 3)).astype(Exact)
+    away /= np.linalg.norm(away.astype(float), axis=1)[:, None]
+    share = r.choice([1.0, 0.3, 1e-2, 1e-4], (n, 1)).astype(Exact) * chamber.size
+    starts = (on + share * away).astype(float)
+    heights = (starts - middle) @ chamber.normals.T - (chamber.offsets - chamber.normals @ middle)
+    margin = 4096.0 * U * chamber.far
+    keep = (heights[:, :walls].min(axis=1) < -margin) & (heights[:, walls:] > margin).all(axis=1)
+    apart = np.linalg.norm(ends - starts, axis=1)
+    keep &= apart > 1e-5 * chamber.size
+    return starts[keep], ((ends - starts) / apart[:, None])[keep]
+
+
+def entered(chamber: Chamber, starts: Any, along: Any, steps: int = 20) -> int:
+    """Return how many rays were inside a chamber anywhere on their way between two interactions."""
+    points, _, _ = follow(chamber.elements, starts, along, steps)
+    middle = chamber.corners.mean(axis=0)
+    between = (points[:, 1:] + points[:, :-1]) / 2
+    heights = (between - middle) @ chamber.normals.T - (chamber.offsets - chamber.normals @ middle)
+    return int((heights.min(axis=2) > 4096.0 * U * chamber.far).any(axis=1).sum())

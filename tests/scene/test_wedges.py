@@ -13,9 +13,14 @@ from photizon_cl.elements import BaffledTube, Disk, Rectangle, Sphere
 from photizon_cl.neighbours import neighbours
 from photizon_cl.stability.families_mixed import room
 from photizon_cl.surfaces import Mirror
-from photizon_cl.wedges import edge_factors
+from photizon_cl.wedges import edge_factors as factors_of
 
 SILVER = Mirror(1.0)
+
+
+def edge_factors(elements: Any) -> np.ndarray:
+    """Return the largest factor of each element's edges."""
+    return factors_of(elements).max(axis=1)
 
 
 def plate(at: float, **changes: Any) -> Rectangle:
@@ -37,6 +42,11 @@ def test_plates_that_share_an_edge_know_their_angle(angle: float, obtuse: bool) 
     other = plate(180.0 - angle if obtuse else angle)
     want = 1.0 / math.sin(math.radians(angle))
     assert edge_factors([FLOOR, other]) == pytest.approx([want, want], rel=1e-6)
+
+
+def test_only_the_edge_that_is_shared_needs_room() -> None:
+    want = 1.0 / math.sin(math.radians(5.0))
+    assert factors_of([FLOOR, plate(5.0)])[0] == pytest.approx([1.0, want, 1.0, 1.0])
 
 
 @pytest.mark.parametrize("angle", [31.0, 90.0, 149.0, 180.0])
@@ -100,7 +110,7 @@ def test_neighbours_by_tree_are_those_by_comparison(monkeypatch: pytest.MonkeyPa
     boxes = np.hstack([low, low + r.uniform(0, 0.2, (700, 3))])
 
     def pairs() -> np.ndarray:
-        return np.concatenate([np.transpose(part) for part in neighbours(boxes, 1e-12)])
+        return np.concatenate([np.transpose(part) for part in neighbours(boxes)])
 
     dense = pairs()
     monkeypatch.setattr("photizon_cl.neighbours._DENSE", 0)
