@@ -106,14 +106,13 @@ def note_size(elements: Sequence[Element]) -> tuple[int, int]:
 
 
 def _slots(elements: Sequence[Element]) -> int:
-    if len(elements) > _PAIRS:
-        return _SLOTS[-1]
     boxes = world_boxes(elements, (0.0, 0.0, 0.0))
     own = np.array([e.faces_at_a_point for e in elements])
     faces = own.astype(np.float64)
     for first, second in neighbours(boxes):
         faces += np.bincount(first, own[second], len(elements))
-    return next((n for n in _SLOTS if n >= faces.max()), _SLOTS[-1])
+    # more than n faces at a point are faces of elements that all have more than n around them
+    return next((n for n in _SLOTS if own[faces > n].sum() <= n), _SLOTS[-1])
 
 
 def _touch(a: Element, b: Element, room: float) -> bool:

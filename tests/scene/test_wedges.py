@@ -122,19 +122,12 @@ def test_words_for_as_many_faces_as_can_meet() -> None:
     box = list(room((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), surface=SILVER))
     assert not in_contact(box)
     assert note_size(box) == (2, 16)
-    tubes = [
-        BaffledTube(
-            name="tube",
-            position=(x, 0.5, 0.0),
-            axis="+z",
-            half_width=0.1,
-            length=1.0,
-            surface=SILVER,
-        )
-        for x in (0.2, 0.8)
-    ]
-    assert note_size([*box, tubes[0]]) == (2, 16)
-    assert note_size([*box, *tubes]) == (4, 16)
-    cells = [w for x in (0, 1) for y in (0, 1) for w in room((x, y, 0), (x + 1, y + 1, 1.0))]
-    assert note_size(cells) == (6, 16)
+    four = [w for x in (0, 1) for y in (0, 1) for w in room((x, y, 0), (x + 1, y + 1, 1.0))]
+    assert note_size(four) == (4, 16)  # twelve at a point
+    below = [w for x in (0, 1) for y in (0, 1) for w in room((x, y, -1), (x + 1, y + 1, 0.0))]
+    assert note_size(four + below) == (6, 16)  # twenty-four
     assert note_size(box * 400) == (12, 32)
+    # a large wall has many elements around it, of which no two meet
+    tiles = [plate(0.0, position=(3.0 * n, 0.0, 0.0)) for n in range(100)]
+    wall = plate(0.0, position=(150.0, 0.0, 0.0), half_width=160.0)
+    assert note_size([wall, *tiles]) == (2, 16)
