@@ -29,6 +29,7 @@ from hostcode.wavefront import Engine
 from photizon_cl.compile import compile_scene
 from photizon_cl.settings import RunSettings
 from photizon_cl.tree import build_tree, world_boxes
+from photizon_cl.tree_nodes import pack_nodes, unpack_nodes
 
 if TYPE_CHECKING:
     from hostcode.device import OpenDevice
@@ -56,13 +57,13 @@ def engine_of(device: OpenDevice, tables: DeviceTables, lanes: int | None = None
     return Engine(device, tables, default_plan(device.record, width))
 
 
-def alternate(engines: list[Engine], rounds: int) -> list[tuple[float, float]]:
-    """Return median and spread (half the range) of each engine's ns a segment, run in turn."""
+def alternate(engines: list[Engine], rounds: int) -> list[list[float]]:
+    """Return each engine's ns a segment in each round, the engines run in turn."""
     times: list[list[float]] = [[] for _ in engines]
     for round_ in range(rounds + 1):
         for engine, kept in zip(engines, times, strict=True):
             kept.append(1e9 * seconds_a_segment(engine, round_))
-    return [(statistics.median(kept[1:]), 0.5 * (max(kept[1:]) - min(kept[1:]))) for kept in times]
+    return [kept[1:] for kept in times]  # the first round loads code and caches
 
 
 def prepare(
@@ -78,7 +79,7 @@ def prepare(
     before = time.perf_counter()
     tree = build_tree(boxes)
     built = time.perf_counter() - before
-    seen = visits(compiled, tree, device, LOOK_UPS)
+    seen = visits(compiled, unpack_nodes(pack_nodes(*tree)), device, LOOK_UPS)
     engines = [engine_of(device, compiled.tables, lanes)]
     if len(scene.element) <= 1.2 * PLAIN_UP_TO:
         plain = compile_scene(scene, run, accelerate=False)
@@ -100,9 +101,12 @@ def measure(
     times = iter(alternate([engine for _, engines in prepared for engine in engines], rounds))
     rows = []
     for row, engines in prepared:
-        median, spread = next(times)
-        plain = next(times)[0] if len(engines) > 1 else None
-        rows.append({**row, "tree_ns": median, "tree_spread": spread, "plain_ns": plain})
+        kept = next(times)
+        plain = statistics.median(next(times)) if len(engines) > 1 else None
+        rows.append({
+            **row, "tree_ns": statistics.median(kept), "tree_spread": 0.5 * (max(kept) - min(kept)),
+            "tree_rounds": kept, "plain_ns": plain,
+        })  # fmt: skip
     return rows
 
 
@@ -161,11 +165,15 @@ def say_growth(rows: list[dict[str, Any]], report: Report) -> None:
     first, last = rows[0], rows[-1]
     visited = np.polyfit(x, [row["nodes"] for row in rows], 1)
     left = np.array([row["nodes"] for row in rows]) - np.polyval(visited, x)
+    # both in one round, as the machine was then
+    grew = np.divide(last["tree_rounds"], first["tree_rounds"])
+    low, middle, high = np.quantile(grew, (0.25, 0.5, 0.75))
+    power = np.polyfit(x, np.log10([row["tree_ns"] for row in rows]), 1)[0]
     report.say(
         f"  {first['n']} to {last['n']}: log n {x[-1] / x[0]:.2f} times, nodes "
         f"{last['nodes'] / first['nodes']:.2f} times ({visited[0]:+.2f} a decade, residual "
-        f"{np.abs(left).max():.2f}), time {last['tree_ns'] / first['tree_ns']:.2f} times, "
-        f"power of n {np.polyfit(x, np.log10([row['tree_ns'] for row in rows]), 1)[0]:.3f}",
+        f"{np.abs(left).max():.2f}), time {middle:.2f} times (quartiles {low:.2f}, {high:.2f}), "
+        f"power of n {power:.3f}",
         "",
     )
 
@@ -182,7 +190,7 @@ def break_even(
             scene = FAMILIES[family](n, n)
             tables = [compile_scene(scene, run, accelerate=a).tables for a in (True, False)]
             tree, plain = alternate([engine_of(device, t) for t in tables], rounds)
-            ratios.append(plain[0] / tree[0])
+            ratios.append(statistics.median(np.divide(plain, tree)))
         found[family] = ratios
         report.say(f"  {family:6s}  " + "  ".join(f"{r:.2f}" for r in ratios))
     return found

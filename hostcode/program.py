@@ -29,6 +29,7 @@ __all__ = [
     "ROW_FRAME",
     "ROW_STRIDE",
     "SOURCE_STRIDE",
+    "TREE_NODE",
     "TREE_STACK",
     "TREE_WIDTH",
     "ElementClass",
@@ -49,6 +50,8 @@ MAX_REGISTER_ELEMENTS: Final = 8
 
 TREE_WIDTH: Final = 8
 """Children of a node of the tree of boxes."""
+TREE_NODE: Final = 16
+"""Doubles of a node."""
 TREE_STACK: Final = 169
 """Places of the search's stack: seven stay behind at each of up to 24 levels, and one."""
 
@@ -208,6 +211,7 @@ def program_source(spec: ProgramSpec) -> str:
         "source_stride": SOURCE_STRIDE,
         "note_words": spec.note_words,
         "note_bits": spec.note_bits,
+        "tree_node": TREE_NODE,
         "tree_width": TREE_WIDTH,
         "tree_stack": TREE_STACK,
         "launch_struct": c_struct("launch_t", LAUNCH),

@@ -18,6 +18,7 @@ from photizon_cl.layout import DetectorCells, TallyLayout, lay_out
 from photizon_cl.packing import (
     add_tree,
     codes_by_class,
+    codes_in_order,
     detector_row,
     element_classes,
     element_codes,
@@ -126,10 +127,14 @@ def compile_scene(
     few = len(scene.element) < BREAK_EVEN and "acceleration" not in effects
     if few if accelerate is None else not (accelerate and scene.element):
         effects -= {"acceleration"}
-        codes = codes_by_class(one_by_one, len(classes), len(classes) + 1)
+        codes = codes_by_class(one_by_one, len(classes))
+        first_material = len(codes)
+        codes += material_of
     else:
         effects |= {"acceleration"}
-        codes, geometry = add_tree(scene, shift, factors, one_by_one, len(classes), geometry)
+        tree, geometry = add_tree(scene, shift, factors, geometry)
+        codes = codes_in_order(one_by_one, material_of, len(classes), tree)
+        first_material = len(classes) + 1
     launch: dict[str, Any] = {
         "seed": settings.seed,
         "rays_per_batch": settings.rays_per_batch,
@@ -142,8 +147,7 @@ def compile_scene(
         "n_phi": layout.n_phi,
     }
     edges: list[float] = []
-    launch["material_of"] = len(codes)
-    codes += material_of
+    launch["material_of"] = first_material
     launch["material_of_kind"] = len(codes)
     first = {e.surface.kind: at for e, at in zip(scene.element, material_of, strict=True)}
     codes += [first[surface.kind] for surface in surfaces]

@@ -23,6 +23,8 @@ _MODULES: Final = (
     "neighbours",
     "packing",
     "statistics",
+    "tree",
+    "tree_nodes",
     "wedges",
 )
 _PACKAGES: Final = ("detectors", "elements", "sources", "surfaces")

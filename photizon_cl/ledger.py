@@ -14,13 +14,12 @@ from photizon_cl.errors import RunError
 from photizon_cl.statistics import exact_sum
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
     from photizon_cl.compile import CompiledScene
-    from photizon_cl.layout import TallyLayout
     from photizon_cl.statistics import Accumulator
 
 __all__ = ["CLOSURE_LIMIT", "Estimate", "Ledger", "Roulette", "check_batch"]
@@ -133,6 +132,8 @@ class Ledger:
         absorbed = {e.name: row(totals[n], n) for n, e in enumerate(compiled.scene.element)}
         balance = totals[layout.killed] - totals[layout.boosted]
         emitted = compiled.emitted * tally.batches
+        n = layout.n_elements
+        accounted = _accounted(sum(totals[:n]), totals[n:])
         return cls(
             emitted=Estimate(watts(compiled, emitted, tally.batches), 0.0 if known else None),
             absorbed=absorbed,
@@ -143,7 +144,7 @@ class Ledger:
                 row(balance, layout.n_cells),
             ),
             depth_capped=row(totals[layout.depth_capped], layout.depth_capped),
-            closure=watts(compiled, emitted - _accounted(layout, totals), tally.batches),
+            closure=watts(compiled, emitted - accounted, tally.batches),
             worst_closure=watts(compiled, worst, 1),
         )
 
@@ -177,10 +178,10 @@ def watts(compiled: CompiledScene, total: int, batches: int) -> float:
     return float(Fraction(total, batches) * _UNIT * Fraction(compiled.unit_power))
 
 
-def _accounted(layout: TallyLayout, totals: list[int]) -> int:
-    absorbed = sum(totals[: layout.n_elements])
-    balance = totals[layout.killed] - totals[layout.boosted]
-    return absorbed + totals[layout.escaped] + balance + totals[layout.depth_capped]
+def _accounted(absorbed: int, others: Sequence[int]) -> int:
+    """Return where all launched weight went; `others`: the rows behind the elements'."""
+    escaped, killed, boosted, depth_capped = others
+    return absorbed + escaped + killed - boosted + depth_capped
 
 
 def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -> int:
@@ -202,8 +203,10 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -
         exactly what escaped, or a detector shows more than its element absorbed.
     """
     layout = compiled.layout
-    totals = exact(cells[: layout.n_rows])
-    closure = abs(compiled.emitted - _accounted(layout, totals))
+    n = layout.n_elements
+    absorbed, _ = exact_sum(cells[:n])
+    others = exact(cells[n : layout.n_rows])
+    closure = abs(compiled.emitted - _accounted(absorbed, others))
     if closure > CLOSURE_LIMIT * compiled.emitted:
         part = float(Fraction(closure, compiled.emitted))
         raise RunError(
@@ -213,15 +216,16 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -
     n_bins = layout.n_mu * layout.n_phi
     if n_bins:
         bins, _ = exact_sum(cells[layout.far_field : layout.far_field + n_bins])
-        if bins != totals[layout.escaped]:
-            part = float(Fraction(bins - totals[layout.escaped], compiled.emitted))
+        (escaped,) = exact(cells[layout.escaped : layout.escaped + 1])
+        if bins != escaped:
+            part = float(Fraction(bins - escaped, compiled.emitted))
             raise RunError(
                 f"batch {batch}: the far field's total is not what escaped (it differs by "
                 f"{part:.3e} of the emitted power): {_DEFECT}"
             )
     for d in layout.detectors:
-        (power,) = exact(cells[d.power : d.power + 1])
-        if not 0 <= power <= totals[d.element]:
+        power, taken = exact(cells[[d.power, d.element]])
+        if not 0 <= power <= taken:
             name = compiled.scene.element[d.element].name
             raise RunError(
                 f"batch {batch}: the detector on {name!r} shows more than the element absorbed: "

@@ -12,7 +12,7 @@ from hostcode.program import (
     ROW_FRAME,
     ROW_STRIDE,
     SOURCE_STRIDE,
-    TREE_WIDTH,
+    TREE_NODE,
     ElementClass,
     SourceKind,
     SurfaceKind,
@@ -20,6 +20,7 @@ from hostcode.program import (
 from photizon_cl.elements.flat import Flat
 from photizon_cl.frames import axis_index
 from photizon_cl.tree import build_tree, world_boxes
+from photizon_cl.tree_nodes import pack_nodes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -107,33 +108,46 @@ def element_codes(
     return codes
 
 
-def codes_by_class(codes: list[int], n_classes: int, first: int) -> list[int]:
-    """Return the bounds of each class, then `first` − n_classes − 1 free places, then the codes."""
-    bounds, ordered = [first], []
+def codes_by_class(codes: list[int], n_classes: int) -> list[int]:
+    """Return where each class's codes begin, where the last end, and the codes by class."""
+    bounds, ordered = [n_classes + 1], []
     for number in range(n_classes):
         ordered += [code for code in codes if code & 127 == number]
-        bounds.append(first + len(ordered))
-    return bounds + [0] * (first - len(bounds)) + ordered
+        bounds.append(n_classes + 1 + len(ordered))
+    return bounds + ordered
+
+
+def codes_in_order(
+    codes: list[int], material_of: list[int], n_classes: int, tree: int
+) -> list[int]:
+    """Return where each class's first code stands, where the tree begins, and the codes in order.
+
+    `tree` is its place in the geometry table. These codes have the material's row in place of the
+    element's number, which is their place.
+    """
+    first: dict[int, int] = {}
+    for n, code in enumerate(codes):
+        first.setdefault(code & 127, n_classes + 1 + n)
+    with_material = [
+        row << 32 | code & 0xFFFFFFFF for code, row in zip(codes, material_of, strict=True)
+    ]
+    return [first[number] for number in range(n_classes)] + [tree] + with_material
 
 
 def add_tree(
-    scene: Scene,
-    shift: Vec3,
-    factors: NDArray[np.float64],
-    codes: list[int],
-    n_classes: int,
-    geometry: NDArray[np.float64],
-) -> tuple[list[int], NDArray[np.float64]]:
-    """Return codes and geometry with a tree of boxes, see ``kernels/effects/acceleration.mako``."""
+    scene: Scene, shift: Vec3, factors: NDArray[np.float64], geometry: NDArray[np.float64]
+) -> tuple[int, NDArray[np.float64]]:
+    """Return the geometry table with a tree of boxes, and where in it that begins.
+
+    See ``kernels/effects/acceleration.mako``.
+    """
     boxes = world_boxes(scene.element, shift, factors.max(axis=1))
-    nodes, children = build_tree(boxes)
-    table = codes_by_class(codes, n_classes, n_classes + 2)
-    # a node begins at a whole vector of eight; the scene's size stands before the first
-    head = [0.0] * (TREE_WIDTH - 1) + [float(np.max(np.abs(boxes)))]
-    table[n_classes + 1] = len(geometry) + len(head)
-    links = np.where(children < 0, children, np.array(codes)[np.maximum(children, 0)])
-    whole = np.concatenate((nodes, links.view(np.float64)[:, None, :]), axis=1)
-    return table, np.concatenate((geometry, head, whole.ravel()))
+    rows = pack_nodes(*build_tree(boxes))
+    # a node begins at a whole node from the table's beginning; the scene's size stands before the
+    # first
+    head = np.zeros(TREE_NODE - len(geometry) % TREE_NODE)
+    head[-1] = np.max(np.abs(boxes))
+    return len(geometry) + len(head), np.concatenate((geometry, head, rows.ravel()))
 
 
 def geometry_table(

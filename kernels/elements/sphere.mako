@@ -88,7 +88,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t *h, mask m, contact_t *c) {
     if (!ANY(m)) return;
 % if cls.single:
-    __global const double *one = scene->geometry + ROW * ELEMENT_OF(scene->codes[scene->codes[${cls.number}]]);
+    __global const double *one = scene->geometry + ROW * ONLY_ELEMENT(scene, ${cls.number});
     const real cx = splat(one[0]), cy = splat(one[1]), cz = splat(one[2]);
     const real k2 = splat(one[4]), k = splat(one[5]);
 % else:

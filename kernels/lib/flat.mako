@@ -5,10 +5,10 @@
 %>
 // ${cls.kind}, ${"tilted" if a is None else "perpendicular to " + names[a]}.
 // Row: 0-2 centre, 3-4 half sizes with their rounding bound, 5-6 half sizes less that bound,
-// 7 rounding bound of the plane, to which a tilted one adds with the distance from its centre, 8 sign
-// of the normal along its axis, 9 how far beside its edge a face that meets it there may be, in units
-// of 10, 10 rounding bound of where other faces end at the plane, 11-12 and 13-14 as 3-4 and 5-6 but on
-// the other side of the centre, 15-23 frame.
+// 7 rounding bound of where other faces end at the plane, 8 sign of the normal along its axis, 9 how
+// far beside its edge a face that meets it there may be, in units of 7, 10 rounding bound of the plane,
+// no more than 7, to which a tilted one adds with the distance from its centre, 11-12 and 13-14 as 3-4
+// and 5-6 but on the other side of the centre, 15-23 frame.
 //
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
 // rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.
@@ -23,23 +23,26 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     const real du = dot3(p->dx, p->dy, p->dz, splat(f[0]), splat(f[1]), splat(f[2]));
     const real dv = dot3(p->dx, p->dy, p->dz, splat(f[3]), splat(f[4]), splat(f[5]));
     const real dh = dot3(p->dx, p->dy, p->dz, splat(f[6]), splat(f[7]), splat(f[8]));
-    const real sign = splat(1.0);
-    const real near = fma(fabs(u) + fabs(v), splat(4.0 * UNIT_ROUNDOFF), splat(row[7]));
+    const mask on_plane = LE(fabs(h), fma(fabs(u) + fabs(v), splat(4.0 * UNIT_ROUNDOFF), splat(row[10])));
 % else:
 <% a1, a2 = (a + 1) % 3, (a + 2) % 3 %>
     const real u = p->o${names[a1]} - row[${a1}], v = p->o${names[a2]} - row[${a2}];
     const real h = p->o${names[a]} - row[${a}];
     const real du = p->d${names[a1]}, dv = p->d${names[a2]}, dh = p->d${names[a]};
-    const real sign = splat(row[8]);
-    const real near = splat(row[7]);
+% if "contact" in effects:
+    // most rays are far from the plane and need none of the row's second cache line
+    mask on_plane = lsplat(0L);
+    if (ANY(LE(fabs(h), splat(64.0 * row[7])) & ~departed)) on_plane = LE(fabs(h), splat(row[10]));
+% else:
+    const mask on_plane = LE(fabs(h), splat(row[10]));
 % endif
-    const mask on_plane = LE(fabs(h), near);
+% endif
     real t = SEL(on_plane, splat(0.0), -h / dh);
     *fx = fabs(u);
     *fy = fabs(v);
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
 % if "contact" in effects:
-    const real most = splat(row[10]);
+    const real most = splat(row[7]);
     mask beside = LE(fabs(h), 64.0 * most) & ~departed & p->alive;
     real at_u = u, at_v = v;
     if (ANY(beside)) beside &= about_${cls.suffix}(row, most, &at_u, &at_v);
@@ -47,9 +50,9 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     search->doubtful |= beside;
     if (search->careful && ANY(beside)) {
 % if a is None:
-        const real nx = splat(f[6]), ny = splat(f[7]), nz = splat(f[8]);
+        const real sign = splat(1.0), nx = splat(f[6]), ny = splat(f[7]), nz = splat(f[8]);
 % else:
-        const real n${names[a]} = sign, n${names[(a + 1) % 3]} = splat(0.0), n${names[(a + 2) % 3]} = splat(0.0);
+        const real sign = splat(row[8]), n${names[a]} = sign, n${names[(a + 1) % 3]} = splat(0.0), n${names[(a + 2) % 3]} = splat(0.0);
 % endif
         mask on_minus, cross;
         starts_here = starts_on(search, p, beside, code, on_plane, h * sign, most, nx, ny, nz, dh * sign, &on_minus, &cross);

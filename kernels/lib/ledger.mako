@@ -1,4 +1,4 @@
-## effects, ledger_rows (number of rows kept in registers, 0 for none), n_elements where that is > 0
+## effects, lanes, ledger_rows (number of rows kept in registers, 0 for none), n_elements where that is > 0
 // The ledger of one work-item: what elements absorb, what escapes, what roulette and the generation
 // cap take.  Rows: element 0 ... n-1, escaped, killed, boosted, depth-capped.
 //
@@ -33,6 +33,14 @@ FN void add_limbs(__global long *cell, long a, long b, long c) {
     if (c) atom_add(cell + 2, c);
 }
 % endif
+
+// Has an element's row fetched while its surface is met: among many elements it is not in the cache,
+// and an atomic addition waits for it.
+FN void expect(const ledger_t *ledger, lint element, mask m) {
+% if "acceleration" in effects and lanes == 1 and not ledger_rows:
+    if (m) (void)*(volatile __global const long *)(ledger->tally + element * CELL);
+% endif
+}
 
 // Books the image on row[lane], an element or `escaped`, of each lane in m.
 FN void book(ledger_t *ledger, lint row, mask m, image_t image) {

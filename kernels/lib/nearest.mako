@@ -34,10 +34,14 @@
 // later than its best hit so far are tested, with the very functions of the plain scan.  Boxes are
 // taken too large by more than any rounding, so the outcome has the same bits.
 FN void scan(const scene_t *scene, const packet_t *p, lint left, search_t *search, hit_t *h) {
-    const double size = scene->geometry[scene->codes[${len(classes) + 1}] - 1];
+    __global const double *tree = scene->geometry + TREE_PLACE(scene);
+    const double size = tree[-1];
     double entered[TREE_STACK];
-    long waiting[TREE_STACK];
+    int waiting[TREE_STACK];
 % if lanes == 1:
+    // the flat element that the ray leaves is not hit: its row stays unread
+    const long from = CLASS_OF(left);
+    const int departed = ${" || ".join(f"from == {cls.number}L" for cls in classes if cls.flat) or "false"} ? (int)ELEMENT_OF(left) : -1;
     const box_ray_t ray = box_ray(p->ox, p->oy, p->oz, p->dx, p->dy, p->dz, size);
 #define BEST h->t
     {
@@ -51,32 +55,45 @@ FN void scan(const scene_t *scene, const packet_t *p, lint left, search_t *searc
         const box_ray_t ray = box_ray(ox.s[l], oy.s[l], oz.s[l], dx.s[l], dy.s[l], dz.s[l], size);
 % endif
         int n = 1;
-        waiting[0] = ~0L;
+        waiting[0] = ~0;
         entered[0] = 0.0;
         while (n) {
             n--;
             if (entered[n] > BEST) continue;
-            const long code = waiting[n];
-            if (code < 0) {
-                __global const double *box = TREE_BOX(scene, ~code);
-                __global const long *links = TREE_LINKS(box);
+            int link = waiting[n];
+            // down to the nearest child; the others wait, the nearest last, to be taken next
+            while (link < 0) {
+                __global const double *node = tree + (long)~link * ${tree_node};
+                __global const int *links = TREE_LINKS(node);
                 union { double8 v; double s[TREE_WIDTH]; } at;
-                ulong met = meet_boxes(box, &ray, BEST, &at.v);
+                ulong met = meet_boxes(node, &ray, BEST, &at.v);
+                if (!met) break;
+                int k = FIRST_BYTE(met);
+                link = links[k];
+                met &= met - 1UL;
+                if (!met) continue;
+                double begins = at.s[k];
                 const int first = n;
-                // the nearest last, to be taken next
                 for (; met; met &= met - 1UL) {
-                    const int k = (63 - (int)clz(met & (0UL - met))) >> 3;
+                    k = FIRST_BYTE(met);
+                    double later = at.s[k];
+                    int other = links[k];
+                    if (later < begins) {
+                        const double d = begins; begins = later; later = d;
+                        const int l = link; link = other; other = l;
+                    }
                     int i = n++;
-                    for (; i > first && entered[i - 1] < at.s[k]; i--) {
+                    for (; i > first && entered[i - 1] < later; i--) {
                         entered[i] = entered[i - 1];
                         waiting[i] = waiting[i - 1];
                     }
-                    entered[i] = at.s[k];
-                    waiting[i] = links[k];
+                    entered[i] = later;
+                    waiting[i] = other;
                 }
-                continue;
             }
-            __global const double *row = scene->geometry + ELEMENT_OF(code) * ROW;
+${"            if (link < 0 || link == departed) continue;" if lanes == 1 else "            if (link < 0) continue;"}
+            __global const double *row = scene->geometry + (long)link * ROW;
+            const long code = CODE_AT(scene, link);
             real t;
             switch ((int)CLASS_OF(code)) {
 % for cls in classes:

@@ -1,4 +1,4 @@
-## effects, launch_struct (text of the typedef), item_struct, queue fields
+## effects, classes, launch_struct (text of the typedef), item_struct, queue fields
 // The ray packet, the surface hit, and what one launch is told.
 
 ${launch_struct}
@@ -72,6 +72,19 @@ typedef struct {
 #define SURFACE_OF(code) (((code) >> 8) & 15L)
 #define AXIS_SIGN(code) SEL(NE((code) & 128L, lsplat(0L)), splat(-1.0), splat(1.0))
 #define CLASS_OF(code) ((code) & 127L)
+
+// The table of codes.  It begins with where each class's first code stands; then, without a tree,
+// where the last end, and the codes by class.  With a tree where that stands in the geometry table,
+// and in file order the codes with the material's row in place of the element's number.
+% if "acceleration" in effects:
+#define TREE_PLACE(scene) ((scene)->codes[${len(classes)}])
+#define CODE_AT(scene, element) ((scene)->codes[${len(classes) + 1} + (element)] & 0xFFFFFFFFL | (long)(element) << 32)
+#define ONLY_ELEMENT(scene, number) ((scene)->codes[number] - ${len(classes) + 1})
+#define MATERIAL_OF(entry) ((entry) >> 32)
+% else:
+#define ONLY_ELEMENT(scene, number) ELEMENT_OF((scene)->codes[(scene)->codes[number]])
+#define MATERIAL_OF(entry) (entry)
+% endif
 
 FN luint path_of(const packet_t *p) {
 % if "splitting" in effects:

@@ -19,15 +19,16 @@ FN real material(const scene_t *scene, lint row, long only_row, int column) {
 
 FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const hit_t *h,
               ledger_t *ledger, ending_t *end, packet_t *child) {
-    contact_t c;
-    locate(scene, p, h, &c);
     const mask found = h->found;
     const mask escaped = p->alive & ~found;
     const lint element = ELEMENT_OF(h->code);
+    expect(ledger, element, found);
+    contact_t c;
+    locate(scene, p, h, &c);
     const image_t before = image_of(p->w);
     ledger->interactions -= found;
 % if any(not s.single for s in surfaces):
-    const lint row = gather_long(scene->codes + launch->material_of, SEL(found, element, lsplat(0L)));
+    const lint row = MATERIAL_OF(gather_long(scene->codes + launch->material_of, SEL(found, element, lsplat(0L))));
 % else:
     const lint row = lsplat(0L);
 % endif

@@ -83,9 +83,9 @@ class Flat(Element):
         aside = 64.0 * max(2.0, *at_edges)
         return (
             outer_u, outer_v, inner_u, inner_v,
-            4.0 * _ROUNDOFF * plane,
+            4.0 * _ROUNDOFF * ends,
             -1.0 if axis_index(self.axis) % 2 else 1.0,
-            aside, 4.0 * _ROUNDOFF * ends,
+            aside, 4.0 * _ROUNDOFF * plane,
             outer_minus_u, outer_minus_v, inner_minus_u, inner_minus_v,
         )  # fmt: skip
 

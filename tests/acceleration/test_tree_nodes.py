@@ -1,0 +1,105 @@
+"""Nodes of 128 bytes: boxes on a grid never smaller than what they stand for."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from benchmarks.random_scenes import filled_scene, tiled_scene
+from hostcode.probe import probe_rays
+from hostcode.program import TREE_NODE, TREE_WIDTH
+from photizon_cl.compile import compile_scene
+from photizon_cl.settings import RunSettings
+from photizon_cl.tree import build_tree
+from photizon_cl.tree_nodes import pack_nodes, unpack_nodes
+
+
+def boxes_of(kind, n=300):
+    g = np.random.default_rng(8)
+    low = g.uniform(-1.0, 1.0, (n, 3))
+    size = g.uniform(0.0, 0.1, (n, 3))
+    if kind == "flat":
+        low[:, 1], size[:, 1] = 0.3, 0.0
+    if kind == "one point":
+        low[:], size[:] = 0.7, 0.0
+    if kind == "far away":
+        low, size = 1e9 + 1e-9 * low, 1e-9 * size
+    if kind == "all sizes":
+        size = 10.0 ** g.uniform(-12.0, 0.0, (n, 3))
+    if kind == "tiny":
+        low, size = 1e-250 * low, 1e-250 * size
+    if kind == "huge":
+        low, size = 1e12 * low, 1e12 * size
+    return np.concatenate((low, low + size), axis=1)
+
+
+KINDS = ("random", "flat", "one point", "far away", "all sizes", "tiny", "huge")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("n", [1, 5, 300])
+def test_a_packed_box_holds_its_box_and_little_more(kind, n):
+    nodes, children = build_tree(boxes_of(kind, n))
+    rows = pack_nodes(nodes, children)
+    assert rows.shape == (len(nodes), TREE_NODE)
+    _, links = unpack_nodes(rows)
+    grid = np.ascontiguousarray(rows[:, 6:12]).view(np.uint8).reshape(-1, 6, TREE_WIDTH)
+    for node, row, steps, link, child in zip(nodes, rows, grid, links, children, strict=True):
+        used = np.isfinite(node[0])
+        assert (link[used] == child[used]).all()
+        # a place without a child: inside out, and a child that does no harm
+        assert (steps[:3, ~used] == 255).all()
+        assert (steps[3:, ~used] == 0).all()
+        assert (link[~used] == child[0]).all()
+        for k in np.flatnonzero(used):
+            for axis in range(3):
+                # in whole numbers: the kernels' own rounding has room elsewhere
+                corner, step = Fraction(row[axis]), Fraction(row[3 + axis])
+                low, high = Fraction(node[axis, k]), Fraction(node[3 + axis, k])
+                below = corner + int(steps[axis, k]) * step
+                above = corner + int(steps[3 + axis, k]) * step
+                assert below <= low
+                assert high <= above
+                ends = node[[axis, 3 + axis]][:, used]
+                extent = Fraction(ends.max()) - Fraction(ends.min())
+                assert max(low - below, above - high) <= max(extent / 64, Fraction(2) ** -999)
+
+
+def test_unpacked_boxes_are_those_of_the_grid():
+    nodes, children = build_tree(boxes_of("random"))
+    found, links = unpack_nodes(pack_nodes(nodes, children))
+    used = np.isfinite(nodes[:, 0])
+    assert (links[used] == children[used]).all()
+    low, high = np.moveaxis(found[:, :3], 2, 1)[used], np.moveaxis(found[:, 3:], 2, 1)[used]
+    assert (low <= np.moveaxis(nodes[:, :3], 2, 1)[used]).all()
+    assert (high >= np.moveaxis(nodes[:, 3:], 2, 1)[used]).all()
+
+
+def steep_rays():
+    """Return rays along the axes, nearly so down to 1e-300, and in sides of the cells' boxes."""
+    g = np.random.default_rng(2)
+    least = [0.0, -0.0, 5e-324, 1e-300, 1e-170, 1e-150, -1e-100, 1e-30, 1e-16]
+    rays = []
+    for _ in range(600):
+        along = g.choice(least, 3)
+        along[g.integers(3)] = g.choice([-1.0, 1.0])
+        start = g.uniform(-0.99, 0.99, 3)
+        start[g.integers(3)] = g.choice([0.0, -0.5, 0.25, 1e-17])
+        rays.append([*start, *along])
+    return np.array(rays)
+
+
+@pytest.mark.parametrize("make", [tiled_scene, filled_scene])
+def test_rays_all_but_along_the_axes_hit_what_the_plain_scan_hits(device, make):
+    run = RunSettings(rays_per_batch=1024)
+    scene, rays = make(1000, 6), steep_rays()
+    found = [
+        probe_rays(device, compile_scene(scene, run, accelerate=tree).tables, rays, lanes)
+        for tree, lanes in ((False, 8), (True, 1))
+    ]
+    (hits, element), (hits_too, element_too) = found
+    assert (element >= 0).mean() > 0.9
+    np.testing.assert_array_equal(element_too, element)
+    np.testing.assert_array_equal(hits_too, hits)
