@@ -38,40 +38,41 @@ WEDGES = (60.0, 30.0, 10.0, 1.0, 0.1, 1e-2, 1e-4, 1e-6)
 RAYS = 2000
 
 
-def chamber_of(kind: str) -> Sample:
-    """Return what samples one chamber of walls: rays, and those escaped, absorbed and outside."""
+def of_plates(make: Callable[..., Any], inside: bool = False) -> Sample:
+    """Return what samples one body of plates: rays, and those escaped, absorbed and outside.
+
+    `inside`: leave out the rays that start outside.
+    """
 
     def sample(r: np.random.Generator, surface: Any, scale: float, at: np.ndarray) -> Any:
+        body = make(r, surface, scale, at)
+        rays = rays_at_edges(r, body, RAYS)
+        starts, along = from_inside(body, *rays) if inside else rays
+        return len(starts), leaks(body, starts, along)
+
+    return sample
+
+
+def chamber_of(kind: str) -> Sample:
+    """Return what samples one chamber of walls."""
+
+    def make(r: np.random.Generator, surface: Any, scale: float, at: np.ndarray) -> Any:
         low, high = at - scale * r.uniform(0.2, 1, 3), at + scale * r.uniform(0.2, 1, 3)
         turn = float(r.choice(TURNS))
         tilt = (turn, 0.0) if r.random() < 0.5 else (0.0, turn)
-        chamber = walls(kind, low, high, tilt, surface, r)
-        starts, along = rays_at_edges(r, chamber, RAYS)
-        return len(starts), leaks(chamber, starts, along)
+        return walls(kind, low, high, tilt, surface, r)
 
-    return sample
+    return of_plates(make)
 
 
 def polyhedra(sides: int) -> Sample:
     """Return what samples one polyhedron of crossing plates."""
-
-    def sample(r: np.random.Generator, surface: Any, scale: float, at: np.ndarray) -> Any:
-        chamber = polyhedron(r, sides, scale, at, surface)
-        starts, along = rays_at_edges(r, chamber, RAYS)
-        return len(starts), leaks(chamber, starts, along)
-
-    return sample
+    return of_plates(lambda r, surface, scale, at: polyhedron(r, sides, scale, at, surface))
 
 
 def wedge(degrees: float) -> Sample:
     """Return what samples one prism with a sharp edge."""
-
-    def sample(r: np.random.Generator, surface: Any, scale: float, at: np.ndarray) -> Any:
-        chamber = prism(r, degrees, scale, at, surface)
-        starts, along = from_inside(chamber, *rays_at_edges(r, chamber, RAYS))
-        return len(starts), leaks(chamber, starts, along)
-
-    return sample
+    return of_plates(lambda r, surface, scale, at: prism(r, degrees, scale, at, surface), True)
 
 
 def region_of(kind: str) -> Sample:

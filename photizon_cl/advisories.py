@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from itertools import product
+from typing import TYPE_CHECKING, Final
 
-from photizon_cl.elements import Element, Sphere
+import numpy as np
+
+from photizon_cl.elements import Disk, Element, Sphere
+from photizon_cl.elements.flat import Flat
 from photizon_cl.frames import to_local
+from photizon_cl.neighbours import Neighbours
 from photizon_cl.sources import LambertianSphere, Source
 
 if TYPE_CHECKING:
@@ -16,6 +21,7 @@ if TYPE_CHECKING:
 
 _CAPPED = 1e-6  # expected depth-capped part of the flux that is worth a word
 _SPLITTING_CAP = 24  # generations after which 2^n children are too many to follow
+_PARALLEL: Final = 1e-12  # 1 - cosine of an angle worth a closer look
 
 
 def advisories(scene: Scene) -> list[str]:
@@ -71,6 +77,62 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
             )
         else:
             first[shape] = element.name
+    yield from _flush_elements(scene)
+
+
+def _flush_elements(scene: Scene) -> Iterator[str]:
+    """Find flat elements that lie wholly in an earlier one of another shape."""
+    near = Neighbours(scene.element)
+    flats = {n: e for n, e in enumerate(scene.element) if isinstance(e, Flat)}
+    normals, centres = np.zeros((2, len(scene.element), 3))
+    least, farthest = np.zeros((2, len(scene.element)))  # from the centre to the edge
+    for n, flat in flats.items():
+        normals[n], centres[n] = flat.frame[2], flat.position
+        least[n], farthest[n] = min(flat.half_sizes), math.hypot(*flat.half_sizes)
+    told: set[int] = set()
+    for first, second in near.pairs():
+        room = np.maximum(near.rooms[first], near.rooms[second])
+        apart = centres[second] - centres[first]
+        height = np.abs((apart * normals[first]).sum(axis=1))
+        parallel = np.abs((normals[first] * normals[second]).sum(axis=1)) > 1.0 - _PARALLEL
+        inside = np.linalg.norm(apart, axis=1) + least[second] <= farthest[first] + room
+        flush = (first < second) & parallel & (height <= room) & inside
+        pairs = zip(
+            first[flush].tolist(), second[flush].tolist(), room[flush].tolist(), strict=True
+        )
+        for i, j, slack in pairs:
+            over, under = flats[i], flats[j]
+            if j not in told and _lies_within(under, over, slack):
+                told.add(j)
+                yield (
+                    f'element "{under.name}" lies flush in "{over.name}", which is named first and '
+                    f'takes every hit where both are equally near: "{under.name}" is never hit; '
+                    "name it first, or move it"
+                )
+
+
+def _lies_within(small: Flat, large: Flat, slack: float) -> bool:
+    """Say whether no point of a flat element is farther than that from an other one."""
+    if all(
+        getattr(small, k) == getattr(large, k) for k in ("kind", "frame", "position", "half_sizes")
+    ):
+        return False  # the very geometry
+    (u, v), (half_u, half_v) = large.half_sizes, small.half_sizes
+    corners = [
+        large.local((x, y, z))
+        for a, b in product((-half_u, half_u), (-half_v, half_v))
+        for x, y, z in [np.add(small.position, np.dot((a, b), small.frame[:2])).tolist()]
+    ]
+    if max(abs(z) for _, _, z in corners) > slack:
+        return False
+    if isinstance(small, Disk):
+        x, y, _ = large.local(small.position)
+        if isinstance(large, Disk):
+            return math.hypot(x, y) + small.radius <= large.radius + slack
+        return max(abs(x) + small.radius - u, abs(y) + small.radius - v) <= slack
+    if isinstance(large, Disk):
+        return max(math.hypot(x, y) for x, y, _ in corners) <= large.radius + slack
+    return all(abs(x) <= u + slack and abs(y) <= v + slack for x, y, _ in corners)
 
 
 def _blind_detectors(scene: Scene) -> Iterator[str]:

@@ -15,6 +15,7 @@ from photizon_cl.contact import in_contact, note_size
 from photizon_cl.edges import azimuth_edges, even_edges
 from photizon_cl.errors import ArgumentError
 from photizon_cl.layout import DetectorCells, TallyLayout, lay_out
+from photizon_cl.neighbours import Neighbours
 from photizon_cl.packing import (
     add_tree,
     codes_by_class,
@@ -114,7 +115,10 @@ def compile_scene(
     weights = [p / unit_power for p in power]
     _check_weights(scene, weights)
     shift = recentre(scene)
+    near = Neighbours(scene.element)
     effects = _effects(scene, settings, weights) | force
+    if in_contact(near, scene.source):
+        effects |= {"contact"}
     classes, class_of = element_classes(scene, "tilt" in force)
     materials, material_of = material_table(scene)
     surfaces = surface_kinds(scene, material_of)
@@ -122,7 +126,7 @@ def compile_scene(
 
     number = {surface.kind: surface.number for surface in surfaces}
     one_by_one = element_codes(scene, class_of, number)
-    factors = edge_factors(scene.element)
+    factors = edge_factors(near)
     geometry = geometry_table(scene, class_of, shift, factors)
     few = len(scene.element) < BREAK_EVEN and "acceleration" not in effects
     if few if accelerate is None else not (accelerate and scene.element):
@@ -168,7 +172,7 @@ def compile_scene(
     kinds = sorted({(s.kernel, extended(s)) for s in scene.source})
     sources = tuple(SourceKind(stem, n, extended) for n, (stem, extended) in enumerate(kinds))
     in_registers = 0 < len(scene.element) <= MAX_REGISTER_ELEMENTS
-    words, bits = note_size(scene.element) if "contact" in effects else (0, 16)
+    words, bits = note_size(near) if "contact" in effects else (0, 16)
     spec = ProgramSpec(
         classes=classes,
         surfaces=surfaces,
@@ -231,8 +235,6 @@ def _effects(scene: Scene, settings: RunSettings, weights: list[float]) -> set[s
                 used.add("ladder")
     if any(getattr(s, "tilt_deg", (0.0, 0.0)) != (0.0, 0.0) for s in scene.source):
         used.add("tilt")
-    if in_contact(scene.element, scene.source):
-        used.add("contact")
     if scene.far_field is not None:
         used.add("far-field")
     if settings.roulette_floor > 0.0:

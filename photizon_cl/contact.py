@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.elements import BaffledTube, Sphere
-from photizon_cl.neighbours import neighbours, rooms_for_rounding
-from photizon_cl.tree import world_boxes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.elements import Element
+    from photizon_cl.neighbours import Neighbours
     from photizon_cl.sources import Source
 
 __all__ = ["in_contact", "note_size"]
@@ -39,7 +38,7 @@ _SHORT: Final = 2047
 """Up to this many elements a face has 16 bits in what a ray remembers, else 32."""
 
 
-def in_contact(elements: Sequence[Element], sources: Sequence[Source] = ()) -> bool:
+def in_contact(near: Neighbours, sources: Sequence[Source] = ()) -> bool:
     """Say whether rays must remember on which side of elements that touch they are.
 
     They must where any two elements may touch or cross otherwise than along an edge of both; and
@@ -47,12 +46,11 @@ def in_contact(elements: Sequence[Element], sources: Sequence[Source] = ()) -> b
     `sources`, stands inside the angle between them, as in a room. At the outside of an edge a ray
     that was put back onto one wall may be behind the other.
     """
+    elements, rooms = near.elements, near.rooms
     if len(elements) > _PAIRS:
         return True
     if not elements:
         return False
-    boxes = world_boxes(elements, (0.0, 0.0, 0.0))
-    rooms = rooms_for_rounding(boxes)
     things = np.array([corner for e in elements for corner in _corners(e)])
     around = [_around(s.position, s.packed()[0] if s.packed() else 0.0) for s in sources]
     points = np.concatenate([things, *around])
@@ -62,7 +60,7 @@ def in_contact(elements: Sequence[Element], sources: Sequence[Source] = ()) -> b
         if isinstance(e, BaffledTube)
     ):
         return True
-    for first, second in neighbours(boxes):
+    for first, second in near.pairs():
         for i, j in zip(first.tolist(), second.tolist(), strict=True):
             a, b, room = elements[i], elements[j], float(max(rooms[i], rooms[j]))
             if i < j and (_touch(a, b, room) or _seen_from_outside(a, b, points, room)):
@@ -96,21 +94,20 @@ def _seen_from_outside(a: Element, b: Element, points: NDArray[np.float64], room
     return False
 
 
-def note_size(elements: Sequence[Element]) -> tuple[int, int]:
+def note_size(near: Neighbours) -> tuple[int, int]:
     """Return in how many words, and bits a face, a ray can remember all faces that meet at a point.
 
     No more than 24 faces: where more meet, those of the first elements are remembered.
     """
-    bits = 16 if len(elements) <= _SHORT else 32
-    return _slots(elements) * bits // 64, bits
+    bits = 16 if len(near.elements) <= _SHORT else 32
+    return _slots(near) * bits // 64, bits
 
 
-def _slots(elements: Sequence[Element]) -> int:
-    boxes = world_boxes(elements, (0.0, 0.0, 0.0))
-    own = np.array([e.faces_at_a_point for e in elements])
+def _slots(near: Neighbours) -> int:
+    own = np.array([e.faces_at_a_point for e in near.elements])
     faces = own.astype(np.float64)
-    for first, second in neighbours(boxes):
-        faces += np.bincount(first, own[second], len(elements))
+    for first, second in near.pairs():
+        faces += np.bincount(first, own[second], len(own))
     # more than n faces at a point are faces of elements that all have more than n around them
     return next((n for n in _SLOTS if own[faces > n].sum() <= n), _SLOTS[-1])
 

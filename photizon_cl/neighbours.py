@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.tree import build_tree
+from photizon_cl.tree import build_tree, world_boxes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-__all__ = ["neighbours", "rooms_for_rounding"]
+    from photizon_cl.elements import Element
+
+__all__ = ["Neighbours"]
 
 _DENSE: Final = 1000
 """Up to this many boxes each is compared with each."""
@@ -22,41 +25,57 @@ _AT_ONCE: Final = 256
 _ROOM: Final = 2.0**-40
 """Distance at which elements count as touching, relative to their farthest coordinate."""
 
-
-def rooms_for_rounding(boxes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return for each box the distance in metres at which something counts as touching it."""
-    return np.asarray(_ROOM * np.abs(boxes).max(axis=1, initial=0.0))
-
-
 Pairs = tuple["NDArray[np.int64]", "NDArray[np.int64]"]
 
 
-def neighbours(boxes: NDArray[np.float64]) -> Iterator[Pairs]:
-    """Give the ordered pairs of different boxes that meet, rounding allowed for.
+class Neighbours:
+    """Elements of a scene and which of them are near each other.
 
     Parameters
     ----------
+    elements : sequence of Element
+        In order.
+
+    Attributes
+    ----------
     boxes : ndarray, shape (n, 6), float64
         Low and high corners in metres.
-
-    Yields
-    ------
-    first, second : ndarray, shape (pairs,), int64
-        A part of them, which bounds the memory. Both (i, j) and (j, i) are among them, in the order
-        of i and then of j.
+    rooms : ndarray, shape (n,), float64
+        The distance in metres at which something counts as touching each.
     """
-    n = len(boxes)
-    room = rooms_for_rounding(boxes)[:, None]
-    boxes = np.hstack((boxes[:, :3] - room, boxes[:, 3:] + room))
-    if n <= _DENSE:
-        below = (boxes[:, None, :3] <= boxes[None, :, 3:]).all(axis=2)
-        first, second = np.nonzero(below & below.T & ~np.eye(n, dtype=bool))
-        yield first, second
-        return
-    nodes, children = build_tree(boxes)
-    for start in range(0, n, _AT_ONCE):
-        sought = np.arange(start, min(start + _AT_ONCE, n))
-        yield _seek(boxes, sought, nodes, children)
+
+    def __init__(self, elements: Sequence[Element]) -> None:
+        self.elements = elements
+        self.boxes = world_boxes(elements, (0.0, 0.0, 0.0)) if elements else np.empty((0, 6))
+        self.rooms = np.asarray(_ROOM * np.abs(self.boxes).max(axis=1, initial=0.0))
+
+    @cached_property
+    def _wide(self) -> NDArray[np.float64]:
+        room = self.rooms[:, None]
+        return np.hstack((self.boxes[:, :3] - room, self.boxes[:, 3:] + room))
+
+    @cached_property
+    def _tree(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        return build_tree(self._wide)
+
+    def pairs(self) -> Iterator[Pairs]:
+        """Give the ordered pairs of different elements whose boxes meet, rounding allowed for.
+
+        Yields
+        ------
+        first, second : ndarray, shape (pairs,), int64
+            A part of them, which bounds the memory. Both (i, j) and (j, i) are among them, in the
+            order of i and then of j.
+        """
+        boxes, n = self._wide, len(self.elements)
+        if n <= _DENSE:
+            below = (boxes[:, None, :3] <= boxes[None, :, 3:]).all(axis=2)
+            first, second = np.nonzero(below & below.T & ~np.eye(n, dtype=bool))
+            yield first, second
+            return
+        for start in range(0, n, _AT_ONCE):
+            sought = np.arange(start, min(start + _AT_ONCE, n))
+            yield _seek(boxes, sought, *self._tree)
 
 
 def _seek(

@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from photizon_cl.elements import BaffledTube, Disk, Rectangle, Sphere
-from photizon_cl.neighbours import neighbours, rooms_for_rounding
-from photizon_cl.tree import world_boxes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.elements import Element
+    from photizon_cl.neighbours import Neighbours
 
 __all__ = ["edge_factors"]
 
@@ -32,13 +31,13 @@ _AT_ONCE: Final = 1 << 16
 """Pairs looked at at once, which bounds the memory."""
 
 
-def edge_factors(elements: Sequence[Element]) -> NDArray[np.float64]:
+def edge_factors(near: Neighbours) -> NDArray[np.float64]:
     """Return by how much each element's bounds at its edges are to be multiplied.
 
     Parameters
     ----------
-    elements : sequence of Element
-        Of a scene, in order.
+    near : Neighbours
+        The elements of a scene.
 
     Returns
     -------
@@ -47,37 +46,39 @@ def edge_factors(elements: Sequence[Element]) -> NDArray[np.float64]:
         a plane face on which this edge lies, or a disk with the sphere on which its rim lies, if
         that is more than 2; else 1.
     """
+    elements = near.elements
     factors = np.ones((len(elements), 4))
     plane = [n for n, e in enumerate(elements) if e.flat or isinstance(e, BaffledTube)]
     disks = any(isinstance(elements[n], Disk) for n in plane)
     balls = [n for n, e in enumerate(elements) if disks and isinstance(e, Sphere)]
     # plane faces along the axes meet at right angles
     if balls or any(elements[n].tilt_deg != (0.0, 0.0) for n in plane):
-        # coincident elements have the same edges
-        shapes = {
-            n: (elements[n].kind, elements[n].position, elements[n].frame, elements[n].local_box)
-            for n in plane + balls
-        }
-        number = {shape: k for k, shape in enumerate(dict.fromkeys(shapes.values()))}
-        first = {shape: elements[n] for n, shape in shapes.items()}
-        found = _factors([first[shape] for shape in number])
-        factors[list(shapes)] = found[[number[shape] for shape in shapes.values()]]
+        # coincident elements have the same edges: the first stands for all
+        first: dict[Any, int] = {}
+        stands_for = np.arange(len(elements))
+        for n in plane + balls:
+            e = elements[n]
+            shape = (e.kind, e.position, e.frame, e.local_box)
+            stands_for[n] = first.setdefault(shape, n)
+        asked = np.zeros(len(elements), bool)
+        asked[list(first.values())] = True
+        factors = _factors(near, asked)[stands_for]
     return factors
 
 
-def _factors(elements: Sequence[Element]) -> NDArray[np.float64]:
+def _factors(near: Neighbours, asked: NDArray[np.bool_]) -> NDArray[np.float64]:
+    elements, rooms = near.elements, near.rooms
     factors = np.ones((len(elements), 4))
     tilted = np.array([e.tilt_deg != (0.0, 0.0) for e in elements])
     sides = np.array([isinstance(e, Rectangle) for e in elements])
     rims = np.array([isinstance(e, Disk) for e in elements])
     balls = np.array([isinstance(e, Sphere) for e in elements])
-    boxes = world_boxes(elements, (0.0, 0.0, 0.0))
-    rooms = rooms_for_rounding(boxes)
     faces = _Faces(elements)
-    for first, second in neighbours(boxes):
-        angle = sides[first] & ~balls[second] & (tilted[first] | tilted[second])
+    for first, second in near.pairs():
+        both = asked[first] & asked[second]
+        angle = both & sides[first] & ~balls[second] & (tilted[first] | tilted[second])
         _sharpen(factors, faces, first[angle], second[angle], rooms)
-        on_ball = rims[first] & balls[second]
+        on_ball = both & rims[first] & balls[second]
         for i, j in zip(first[on_ball].tolist(), second[on_ball].tolist(), strict=True):
             room = float(max(rooms[i], rooms[j]))
             sine = _rim_on_ball(elements[i], elements[j], room)

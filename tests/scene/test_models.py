@@ -273,6 +273,48 @@ def test_covered_element():
     assert '"twin" is never hit' in line
 
 
+def disk(radius, **changes):
+    given = {"name": "disk", "surface": pz.Absorber(), "position": (0.0, 0.0, 0.0), "axis": "+z"}
+    return pz.Disk(radius=radius, **{**given, **changes})
+
+
+@pytest.mark.parametrize(
+    "small",
+    [
+        disk(0.3),
+        disk(0.3, position=(0.6, -0.7, 0.0)),
+        disk(1.0, axis="-z"),
+        disk(0.5, position=(0.0, 0.0, 1e-16)),
+        pz.Rectangle(
+            name="disk", surface=pz.Absorber(), position=(0.0, 0.0, 0.0), axis="-z",
+            half_width=1.0, half_height=1.0,
+        ),
+    ],
+)  # fmt: skip
+def test_an_element_flush_in_one_named_before(small):
+    wall = plate()
+    (line,) = advisories([point(0, 0, 1)], [wall, small])
+    assert 'element "disk" lies flush in "plate", which is named first' in line
+    if small.kind == "disk":
+        assert advisories([point(0, 0, 1)], [small, wall]) == []  # it takes what it covers
+        (line,) = advisories([point(0, 0, 1)], [disk(1.5, name="plate"), small])
+        assert '"disk" is never hit' in line
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        disk(0.3, position=(0.8, 0.0, 0.0)),  # over the edge
+        disk(0.3, position=(0.0, 0.0, 1e-9)),  # a gap
+        disk(0.3, tilt_deg=(1e-6, 0.0)),  # through it
+        disk(1.2),  # it reaches beyond
+    ],
+)
+def test_elements_that_are_not_flush(other):
+    wall = plate()
+    assert advisories([point(0, 0, 1)], [wall, other]) == []
+
+
 def test_fresnel_surfaces():
     (line,) = advisories([point(0, 0, 3)], [plate(pz.Fresnel(1.5, 1.5))])
     assert "both sides" in line

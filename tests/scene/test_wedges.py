@@ -10,7 +10,7 @@ import pytest
 
 from photizon_cl.contact import in_contact, note_size
 from photizon_cl.elements import BaffledTube, Disk, Rectangle, Sphere
-from photizon_cl.neighbours import neighbours
+from photizon_cl.neighbours import Neighbours
 from photizon_cl.stability.families_mixed import room
 from photizon_cl.surfaces import Mirror
 from photizon_cl.wedges import edge_factors as factors_of
@@ -20,7 +20,7 @@ SILVER = Mirror(1.0)
 
 def edge_factors(elements: Any) -> np.ndarray:
     """Return the largest factor of each element's edges."""
-    return factors_of(elements).max(axis=1)
+    return factors_of(Neighbours(elements)).max(axis=1)
 
 
 def plate(at: float, **changes: Any) -> Rectangle:
@@ -46,7 +46,7 @@ def test_plates_that_share_an_edge_know_their_angle(angle: float, obtuse: bool) 
 
 def test_only_the_edge_that_is_shared_needs_room() -> None:
     want = 1.0 / math.sin(math.radians(5.0))
-    assert factors_of([FLOOR, plate(5.0)])[0] == pytest.approx([1.0, want, 1.0, 1.0])
+    assert factors_of(Neighbours([FLOOR, plate(5.0)]))[0] == pytest.approx([1.0, want, 1.0, 1.0])
 
 
 @pytest.mark.parametrize("angle", [31.0, 90.0, 149.0, 180.0])
@@ -107,10 +107,14 @@ def test_neighbours_by_tree_are_those_by_comparison(monkeypatch: pytest.MonkeyPa
     r = np.random.default_rng(4)
     low = r.uniform(-1, 1, (700, 3))
     low[:50] = low[0]  # coincident
-    boxes = np.hstack([low, low + r.uniform(0, 0.2, (700, 3))])
+    sizes = r.uniform(0, 0.1, 700)
+    balls = [
+        Sphere(name="b", axis="+z", position=tuple(at), radius=float(size), surface=SILVER)
+        for at, size in zip(low.tolist(), sizes, strict=True)
+    ]
 
     def pairs() -> np.ndarray:
-        return np.concatenate([np.transpose(part) for part in neighbours(boxes)])
+        return np.concatenate([np.transpose(part) for part in Neighbours(balls).pairs()])
 
     dense = pairs()
     monkeypatch.setattr("photizon_cl.neighbours._DENSE", 0)
@@ -120,14 +124,14 @@ def test_neighbours_by_tree_are_those_by_comparison(monkeypatch: pytest.MonkeyPa
 
 def test_words_for_as_many_faces_as_can_meet() -> None:
     box = list(room((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), surface=SILVER))
-    assert not in_contact(box)
-    assert note_size(box) == (2, 16)
+    assert not in_contact(Neighbours(box))
+    assert note_size(Neighbours(box)) == (2, 16)
     four = [w for x in (0, 1) for y in (0, 1) for w in room((x, y, 0), (x + 1, y + 1, 1.0))]
-    assert note_size(four) == (4, 16)  # twelve at a point
+    assert note_size(Neighbours(four)) == (4, 16)  # twelve at a point
     below = [w for x in (0, 1) for y in (0, 1) for w in room((x, y, -1), (x + 1, y + 1, 0.0))]
-    assert note_size(four + below) == (6, 16)  # twenty-four
-    assert note_size(box * 400) == (12, 32)
+    assert note_size(Neighbours(four + below)) == (6, 16)  # twenty-four
+    assert note_size(Neighbours(box * 400)) == (12, 32)
     # a large wall has many elements around it, of which no two meet
     tiles = [plate(0.0, position=(3.0 * n, 0.0, 0.0)) for n in range(100)]
     wall = plate(0.0, position=(150.0, 0.0, 0.0), half_width=160.0)
-    assert note_size([wall, *tiles]) == (2, 16)
+    assert note_size(Neighbours([wall, *tiles])) == (2, 16)
