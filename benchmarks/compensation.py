@@ -94,12 +94,12 @@ PARTS = (
             (
                 "elements/rectangle.mako",
                 "LE(ax, bx + row[3])",
-                "LE(ax, splat(0.5 * (row[3] + row[5])))",
+                "LE(ax, splat(row[5] + (row[3] - row[5]) / 3.0))",
             ),
             (
                 "elements/rectangle.mako",
                 "LE(ay, by + row[4])",
-                "LE(ay, splat(0.5 * (row[4] + row[6])))",
+                "LE(ay, splat(row[6] + (row[4] - row[6]) / 3.0))",
             ),
         ),
     ),

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 __all__ = ["pack_nodes", "unpack_nodes"]
 
 _STEPS: Final = 255
-_LEAST: Final = -1000
-"""Exponent of the least step: a node may be flat."""
+_LEAST: Final = 2.0**-1000
+"""The least step: a node may be flat."""
+_ROUNDOFF: Final = 2.0**-50
+"""More than subtraction, division and the step may round, relative."""
 
 
 def pack_nodes(nodes: NDArray[np.float64], children: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -34,7 +36,7 @@ def pack_nodes(nodes: NDArray[np.float64], children: NDArray[np.int64]) -> NDArr
     Returns
     -------
     ndarray, shape (m, 16), float64
-        Low corner x, y, z of the grid; its steps along x, y, z, powers of two; the bits of 48
+        Low corner x, y, z of the grid; its steps along x, y, z; the bits of 48
         bytes, the children's low x, y, z and high x, y, z on the grid, eight each; the bits of
         eight int32, the children. A place without a child has a box inside out and the node's first
         child, which a ray may then meet again without any harm.
@@ -43,15 +45,13 @@ def pack_nodes(nodes: NDArray[np.float64], children: NDArray[np.int64]) -> NDArr
     used = np.isfinite(low[:, :1])
     origin = low.min(axis=2, keepdims=True)
     with np.errstate(invalid="ignore"):  # a place without a child is infinitely far away
-        # the subtraction rounds unless it gives 0: a neighbour makes sure of the outward side
-        begin = np.where(low == origin, 0.0, np.nextafter(low - origin, -np.inf))
-        end = np.where(high == origin, 0.0, np.nextafter(high - origin, np.inf))
-    extent = np.where(used, end, 0.0).max(axis=2, keepdims=True)
-    exponent = np.maximum(np.frexp(extent / _STEPS)[1], _LEAST)
-    step = np.ldexp(1.0, exponent)
+        begin = np.where(used, low - origin, 0.0) * (1.0 - _ROUNDOFF)
+        end = np.where(used, high - origin, 0.0) * (1.0 + _ROUNDOFF)
+    extent = end.max(axis=2, keepdims=True)
+    step = np.maximum(extent * ((1.0 + _ROUNDOFF) / _STEPS), _LEAST)
     grid = np.empty((len(nodes), 6, TREE_WIDTH), np.uint8)
-    grid[:, :3] = np.where(used, np.floor(np.where(used, begin, 0.0) / step), _STEPS)
-    grid[:, 3:] = np.where(used, np.ceil(np.where(used, end, 0.0) / step), 0)
+    grid[:, :3] = np.where(used, np.floor(begin / step), _STEPS)
+    grid[:, 3:] = np.where(used, np.ceil(end / step), 0)
     links = np.where(used[:, 0], children, children[:, :1]).astype(np.int32)
     rows = np.empty((len(nodes), TREE_NODE))
     rows[:, :3], rows[:, 3:6] = origin[:, :, 0], step[:, :, 0]
