@@ -26,7 +26,11 @@ LAUNCH: Final[tuple[tuple[str, str, str], ...]] = (
     ("fill", "ulong", "rays that the generate stage keeps waiting in a segment"),
     ("stack_capacity", "ulong", "rays that a queue segment holds"),
     ("record_capacity", "ulong", "records that a segment holds"),
-    ("material_of", "ulong", "where in codes the elements' places in the material table stand"),
+    (
+        "material_of",
+        "ulong",
+        "where in codes the elements' places in the material table stand (MATERIAL_OF)",
+    ),
     ("material_of_kind", "ulong", "where in codes each surface kind's first such place stands"),
     ("detector_of", "ulong", "where in codes the elements' detector numbers stand"),
     ("detectors", "ulong", "where in codes the detectors' integers stand"),

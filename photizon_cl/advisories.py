@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _CAPPED = 1e-6  # expected depth-capped part of the flux that is worth a word
 _SPLITTING_CAP = 24  # generations after which 2^n children are too many to follow
-_PARALLEL: Final = 1e-12  # 1 - cosine of an angle worth a closer look
+_ROUNDING: Final = 2.0**-48  # of the sums here, relative
 
 
 def advisories(scene: Scene) -> list[str]:
@@ -75,34 +75,48 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
                 f'element "{element.name}" has the very geometry of "{first[shape]}", which is '
                 f'named first and takes every hit: "{element.name}" is never hit'
             )
-        else:
+        elif not element.surface.splits:  # what goes through meets the other
             first[shape] = element.name
     yield from _flush_elements(scene)
 
 
 def _flush_elements(scene: Scene) -> Iterator[str]:
-    """Find flat elements that lie wholly in an earlier one of another shape."""
-    near = Neighbours(scene.element)
-    flats = {n: e for n, e in enumerate(scene.element) if isinstance(e, Flat)}
-    normals, centres = np.zeros((2, len(scene.element), 3))
-    least, farthest = np.zeros((2, len(scene.element)))  # from the centre to the edge
-    for n, flat in flats.items():
-        normals[n], centres[n] = flat.frame[2], flat.position
-        least[n], farthest[n] = min(flat.half_sizes), math.hypot(*flat.half_sizes)
+    """Find flat elements that lie wholly in an opaque one named before.
+
+    Only where every ray is at the very same distance from both: in a plane across an axis at the
+    same coordinate, or around the same centre. Elsewhere rounding decides which is hit.
+    """
+    planes: dict[tuple[object, ...], int] = {}
+    taken: set[tuple[object, ...]] = set()
+    flats: list[Flat] = []
+    plane_of: list[int] = []
+    for flat in scene.element:
+        if not isinstance(flat, Flat):
+            continue
+        shape = (flat.kind, flat.position, flat.frame, flat.half_sizes)
+        if shape in taken:
+            continue  # the very geometry
+        if not flat.surface.splits:
+            taken.add(shape)
+        flats.append(flat)
+        axis, (x, y, z) = flat.class_axis, flat.frame[2]
+        across = (axis, flat.position[axis]) if axis is not None else None
+        plane = across or (flat.position, max((x, y, z), (-x, -y, -z)))
+        plane_of.append(planes.setdefault(plane, len(planes)))
+    if len(flats) < 2:
+        return
+    number, opaque = np.array(plane_of), np.array([not f.surface.splits for f in flats])
+    centres = np.array([f.position for f in flats])
+    least = np.array([min(f.half_sizes) for f in flats])  # from the centre to the edge
+    farthest = np.array([math.hypot(*f.half_sizes) for f in flats])
     told: set[int] = set()
-    for first, second in near.pairs():
-        room = np.maximum(near.rooms[first], near.rooms[second])
-        apart = centres[second] - centres[first]
-        height = np.abs((apart * normals[first]).sum(axis=1))
-        parallel = np.abs((normals[first] * normals[second]).sum(axis=1)) > 1.0 - _PARALLEL
-        inside = np.linalg.norm(apart, axis=1) + least[second] <= farthest[first] + room
-        flush = (first < second) & parallel & (height <= room) & inside
-        pairs = zip(
-            first[flush].tolist(), second[flush].tolist(), room[flush].tolist(), strict=True
-        )
-        for i, j, slack in pairs:
+    for first, second in Neighbours(flats).pairs():
+        apart = np.linalg.norm(centres[second] - centres[first], axis=1)
+        flush = (first < second) & (number[first] == number[second]) & opaque[first]
+        flush &= apart + least[second] <= farthest[first] * (1.0 + _ROUNDING)
+        for i, j in zip(first[flush].tolist(), second[flush].tolist(), strict=True):
             over, under = flats[i], flats[j]
-            if j not in told and _lies_within(under, over, slack):
+            if j not in told and _lies_within(under, over):
                 told.add(j)
                 yield (
                     f'element "{under.name}" lies flush in "{over.name}", which is named first and '
@@ -111,28 +125,23 @@ def _flush_elements(scene: Scene) -> Iterator[str]:
                 )
 
 
-def _lies_within(small: Flat, large: Flat, slack: float) -> bool:
-    """Say whether no point of a flat element is farther than that from an other one."""
-    if all(
-        getattr(small, k) == getattr(large, k) for k in ("kind", "frame", "position", "half_sizes")
-    ):
-        return False  # the very geometry
+def _lies_within(small: Flat, large: Flat) -> bool:
+    """Say whether no point of a flat element is outside another one in the same plane."""
+    grown = 1.0 + _ROUNDING
     (u, v), (half_u, half_v) = large.half_sizes, small.half_sizes
+    x, y, _ = large.local(small.position)
+    if isinstance(small, Disk):
+        if isinstance(large, Disk):
+            return math.hypot(x, y) + small.radius <= large.radius * grown
+        return abs(x) + small.radius <= u * grown and abs(y) + small.radius <= v * grown
     corners = [
         large.local((x, y, z))
         for a, b in product((-half_u, half_u), (-half_v, half_v))
         for x, y, z in [np.add(small.position, np.dot((a, b), small.frame[:2])).tolist()]
     ]
-    if max(abs(z) for _, _, z in corners) > slack:
-        return False
-    if isinstance(small, Disk):
-        x, y, _ = large.local(small.position)
-        if isinstance(large, Disk):
-            return math.hypot(x, y) + small.radius <= large.radius + slack
-        return max(abs(x) + small.radius - u, abs(y) + small.radius - v) <= slack
     if isinstance(large, Disk):
-        return max(math.hypot(x, y) for x, y, _ in corners) <= large.radius + slack
-    return all(abs(x) <= u + slack and abs(y) <= v + slack for x, y, _ in corners)
+        return all(math.hypot(x, y) <= large.radius * grown for x, y, _ in corners)
+    return all(abs(x) <= u * grown and abs(y) <= v * grown for x, y, _ in corners)
 
 
 def _blind_detectors(scene: Scene) -> Iterator[str]:

@@ -25,6 +25,7 @@ from photizon_cl.tree_nodes import pack_nodes
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hostcode.tables import DeviceTables
     from photizon_cl.elements import Element
     from photizon_cl.frames import Vec3
     from photizon_cl.layout import DetectorCells
@@ -132,6 +133,14 @@ def codes_in_order(
         row << 32 | code & 0xFFFFFFFF for code, row in zip(codes, material_of, strict=True)
     ]
     return [first[number] for number in range(n_classes)] + [tree] + with_material
+
+
+def code_of(tables: DeviceTables, element: int) -> int:
+    """Return an element's code from a table of either order."""
+    codes, n_classes = tables.codes, len(tables.spec.classes)
+    if "acceleration" in tables.spec.effects:
+        return element << 32 | int(codes[n_classes + 1 + element]) & 0xFFFFFFFF
+    return next(int(c) for c in codes[codes[0] : codes[n_classes]] if c >> 32 == element)
 
 
 def add_tree(

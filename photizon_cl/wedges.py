@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from photizon_cl.elements import BaffledTube, Disk, Rectangle, Sphere
+from photizon_cl.neighbours import Neighbours
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.elements import Element
-    from photizon_cl.neighbours import Neighbours
 
 __all__ = ["edge_factors"]
 
@@ -55,30 +55,32 @@ def edge_factors(near: Neighbours) -> NDArray[np.float64]:
     if balls or any(elements[n].tilt_deg != (0.0, 0.0) for n in plane):
         # coincident elements have the same edges: the first stands for all
         first: dict[Any, int] = {}
-        stands_for = np.arange(len(elements))
+        stands_for = {}
         for n in plane + balls:
             e = elements[n]
-            shape = (e.kind, e.position, e.frame, e.local_box)
-            stands_for[n] = first.setdefault(shape, n)
-        asked = np.zeros(len(elements), bool)
-        asked[list(first.values())] = True
-        factors = _factors(near, asked)[stands_for]
+            stands_for[n] = first.setdefault((e.kind, e.position, e.frame, e.local_box), n)
+        asked = list(first.values())
+        if len(asked) < len(stands_for):
+            factors[asked] = _factors(Neighbours([elements[n] for n in asked]))
+        else:
+            factors = _factors(near)
+        factors[list(stands_for)] = factors[list(stands_for.values())]
     return factors
 
 
-def _factors(near: Neighbours, asked: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _factors(near: Neighbours) -> NDArray[np.float64]:
     elements, rooms = near.elements, near.rooms
     factors = np.ones((len(elements), 4))
     tilted = np.array([e.tilt_deg != (0.0, 0.0) for e in elements])
     sides = np.array([isinstance(e, Rectangle) for e in elements])
     rims = np.array([isinstance(e, Disk) for e in elements])
     balls = np.array([isinstance(e, Sphere) for e in elements])
+    plane = np.array([e.flat or isinstance(e, BaffledTube) for e in elements])
     faces = _Faces(elements)
     for first, second in near.pairs():
-        both = asked[first] & asked[second]
-        angle = both & sides[first] & ~balls[second] & (tilted[first] | tilted[second])
+        angle = sides[first] & plane[second] & (tilted[first] | tilted[second])
         _sharpen(factors, faces, first[angle], second[angle], rooms)
-        on_ball = both & rims[first] & balls[second]
+        on_ball = rims[first] & balls[second]
         for i, j in zip(first[on_ball].tolist(), second[on_ball].tolist(), strict=True):
             room = float(max(rooms[i], rooms[j]))
             sine = _rim_on_ball(elements[i], elements[j], room)

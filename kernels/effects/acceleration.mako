@@ -1,8 +1,8 @@
 ## tree_node, tree_width, tree_stack
 // A tree of boxes over the elements, built on the host (photizon_cl/tree.py), eight children to a
-// node (photizon_cl/tree_nodes.py).  It stands in the geometry table behind the scene's size.  The boxes of a node stand on a grid of its own: its low corner, its steps, then
-// in bytes the children's low x, y, z and high x, y, z, eight each; at last eight links: an element's
-// number, or ~node.
+// node (photizon_cl/tree_nodes.py).  It stands in the geometry table behind the scene's size.  The
+// boxes of a node stand on a grid of its own: its low corner, its steps, then in bytes the children's
+// low x, y, z and high x, y, z, eight each; at last eight links: an element's number, or ~node.
 //
 // One ray is searched for at a time, whatever the lanes: rays that have scattered a few times go
 // their own ways, and a packet would visit every node that any of them needs.  The eight boxes of a
@@ -12,8 +12,7 @@
 #define TREE_GRID(node) ((__global const ulong *)((node) + 6))
 #define TREE_LINKS(node) ((__global const int *)((node) + ${tree_node - tree_width // 2}))
 #define FIRST_BYTE(bits) ((63 - (int)clz((bits) & (0UL - (bits)))) >> 3)
-// Instead of 1/0: then nothing is infinite, and a ray in the plane of a side, which runs at least
-// `room` inside or outside the box, meets it nearly as far away.
+// Instead of 1/0.  0 * inf is not a number, with which every box would count as met.
 #define STEEPEST 0x1p500
 
 // A ray among boxes.  near: which of a node's six sides along each axis it meets first.  i: 1/d.

@@ -80,7 +80,7 @@ FN void scan(const scene_t *scene, const packet_t *p, lint left, search_t *searc
                     int other = links[k];
                     if (later < begins) {
                         const double d = begins; begins = later; later = d;
-                        const int l = link; link = other; other = l;
+                        const int nearer = other; other = link; link = nearer;
                     }
                     int i = n++;
                     for (; i > first && entered[i - 1] < later; i--) {

@@ -31,7 +31,7 @@ typedef struct {
     __global const double *geometry;    // a row per element, in file order
     __global const double *materials;   // a row per distinct surface
     __global const double *sources;     // a row per source
-    __global const long *codes;         // classes' bounds, elements' codes by class, materials' rows
+    __global const long *codes;         // see "The table of codes", and launch_t
 } scene_t;
 
 % if "contact" in effects:

@@ -17,12 +17,18 @@ FN real material(const scene_t *scene, lint row, long only_row, int column) {
     return gather(scene->materials + column, row);
 }
 
+<% fresnel = [s.number for s in surfaces if s.kind == "fresnel"] %>
 FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const hit_t *h,
               ledger_t *ledger, ending_t *end, packet_t *child) {
     const mask found = h->found;
     const mask escaped = p->alive & ~found;
     const lint element = ELEMENT_OF(h->code);
-    expect(ledger, element, found);
+% if fresnel:
+    const mask takes = found & NE(SURFACE_OF(h->code), lsplat(${fresnel[0]}L));
+% else:
+    const mask takes = found;
+% endif
+    expect(ledger, element, takes);
     contact_t c;
     locate(scene, p, h, &c);
     const image_t before = image_of(p->w);
@@ -66,8 +72,7 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % if any(s.kind != "fresnel" for s in surfaces):
     {
         const image_t kept = image_difference(before, image_of(after));
-% if "fresnel" in [s.kind for s in surfaces]:
-        const mask takes = found & NE(SURFACE_OF(h->code), lsplat(${[s.number for s in surfaces if s.kind == "fresnel"][0]}L));
+% if fresnel:
         book(ledger, element, takes, kept);
         book_row(launch, ledger, ROW_ESCAPED, escaped, before);
 % else:

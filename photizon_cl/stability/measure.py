@@ -9,6 +9,7 @@ import numpy as np
 
 from hostcode.probe import LEFT_PLUS, NO_FACE, element_of, face_of, probe_faces
 from photizon_cl.compile import compile_scene
+from photizon_cl.packing import code_of
 from photizon_cl.scene import Scene
 from photizon_cl.settings import RunSettings
 from photizon_cl.sources import IsotropicPoint
@@ -76,10 +77,7 @@ def state_of(compiled: CompiledScene, left: Left | None) -> int:
     """Return the packet's state of a ray that was reflected at a face, or that was launched."""
     if left is None:
         return NO_FACE
-    codes = compiled.tables.codes
-    n_classes = len(compiled.tables.spec.classes)
-    first, last = int(codes[0]), int(codes[n_classes])
-    code = next(int(c) for c in codes[first:last] if c >> 32 == left.element)
+    code = code_of(compiled.tables, left.element)
     return (code | left.face << 16) << 2 | (LEFT_PLUS + 1) * left.plus
 
 

@@ -16,8 +16,10 @@ from hostcode.plan import default_plan
 from hostcode.program import TREE_STACK, TREE_WIDTH
 from hostcode.wavefront import Engine
 from photizon_cl.compile import compile_scene
+from photizon_cl.packing import code_of
 from photizon_cl.settings import RunSettings
 from photizon_cl.tree import BREAK_EVEN, build_tree, world_boxes
+from photizon_cl.tree_nodes import pack_nodes, unpack_nodes
 
 # fifty sizes from 10 to 10^4
 SIZES = [round(10 ** (1.0 + 3.0 * k / 49)) for k in range(50)]
@@ -140,12 +142,22 @@ def test_a_tree_too_deep_for_the_stack_cannot_be_built():
     assert largest > 2**32
 
 
+def test_both_tables_give_the_same_codes():
+    scene = random_scene(200, seed=5)
+    tables = [compile_scene(scene, RUN, accelerate=tree).tables for tree in (False, True)]
+    for n in range(200):
+        plain, fast = (code_of(t, n) for t in tables)
+        assert plain == fast
+        assert plain >> 32 == n
+
+
 def test_the_search_visits_few_nodes_of_many(device):
     counts = []
     for n in (64, 4096):
         compiled = compile_scene(filled_scene(n, seed=2), RUN, accelerate=True)
         boxes = world_boxes(compiled.scene.element, compiled.shift)
-        counts.append(visits(compiled, build_tree(boxes), device, 160)[0])
+        tree = unpack_nodes(pack_nodes(*build_tree(boxes)))
+        counts.append(visits(compiled, tree, device, 160)[0])
     assert counts[0] < 6.0
     # log n doubles; n^(1/3) grows four times
     assert counts[1] < 2.8 * counts[0]

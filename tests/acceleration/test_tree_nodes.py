@@ -7,7 +7,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.random_scenes import filled_scene, tiled_scene
+import photizon_cl as pz
+from benchmarks.random_scenes import AXES, filled_scene, tiled_scene
+from hostcode import program, templates
 from hostcode.probe import probe_rays
 from hostcode.program import TREE_NODE, TREE_WIDTH
 from photizon_cl.compile import compile_scene
@@ -103,3 +105,67 @@ def test_rays_all_but_along_the_axes_hit_what_the_plain_scan_hits(device, make):
     assert (element >= 0).mean() > 0.9
     np.testing.assert_array_equal(element_too, element)
     np.testing.assert_array_equal(hits_too, hits)
+
+
+def edges_around_the_origin():
+    """Return plates and disks around the origin, where their boxes have no slack, and rays at them.
+
+    The rays end at rims and corners, or an ulp or a few beside them.
+    """
+    g = np.random.default_rng(7)
+    elements = []
+    for k in range(64):
+        tilt = (0.0, 0.0) if k % 3 else tuple(g.uniform(-80.0, 80.0, 2).tolist())
+        size = 1.0 + 0.1 * (k // 6)
+        common = {"name": f"e{k}", "position": (0.0, 0.0, 0.0), "axis": AXES[k % 6],
+                  "tilt_deg": tilt, "surface": pz.Absorber()}  # fmt: skip
+        elements.append(
+            pz.Rectangle(half_width=size, half_height=0.5 * size, **common)
+            if k % 2
+            else pz.Disk(radius=size, **common)
+        )
+    source = pz.IsotropicPoint(name="s", flux=1.0, position=(0.0, 0.0, 0.0))
+    n = 20_000
+    which = g.integers(64, size=n)
+    frames = np.array([e.frame for e in elements])[which]
+    sizes = np.array([e.half_sizes for e in elements])[which]
+    angle, corner = g.uniform(0.0, 2.0 * np.pi, n), g.choice([-1.0, 0.0, 1.0], (n, 2))
+    round_ = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    at = sizes * np.where((g.random(n) < 0.5)[:, None], round_, corner)
+    end = frames[:, 0] * at[:, :1] + frames[:, 1] * at[:, 1:]
+    end *= 1.0 + g.choice([0.0, 1e-16, 3e-16, 1e-15, -1e-15, 1e-13], (n, 1))
+    start = end + 10.0 ** g.uniform(-15.0, 3.0, (n, 1)) * g.normal(size=(n, 3))
+    upright, axis = g.random(n) < 0.4, g.integers(3, size=n)
+    start[upright] = end[upright]
+    start[np.flatnonzero(upright), axis[upright]] += g.choice([-3.0, 3.0, -1e5], upright.sum())
+    along = end - start
+    length = np.linalg.norm(along, axis=1)
+    keep = length > 0.0
+    rays = np.hstack([start, along / np.where(keep, length, 1.0)[:, None]])[keep]
+    return pz.Scene(name="edges", source=(source,), element=tuple(elements)), rays
+
+
+def differing(device):
+    """Return how many rays at edges hit something else through the tree than by the plain scan."""
+    scene, rays = edges_around_the_origin()
+    run = RunSettings(rays_per_batch=1024)
+    (hits, _), (hits_too, _) = (
+        probe_rays(device, compile_scene(scene, run, accelerate=tree).tables, rays, 1)
+        for tree in (False, True)
+    )
+    same = (hits == hits_too) | (np.isnan(hits) & np.isnan(hits_too))
+    return int((~same).any(axis=1).sum())
+
+
+def test_boxes_have_room_for_the_rounding_of_rays_at_edges(device, monkeypatch):
+    assert differing(device) == 0
+    # without it
+    render = templates.render
+
+    def tight(name, **context):
+        text = render(name, **context)
+        return text.replace("* 0x1p-42;", "* 0.0;") if "acceleration" in name else text
+
+    monkeypatch.setattr(program, "render", tight)
+    monkeypatch.setattr(program, "_CACHE", {})
+    assert differing(device) > 0

@@ -284,7 +284,6 @@ def disk(radius, **changes):
         disk(0.3),
         disk(0.3, position=(0.6, -0.7, 0.0)),
         disk(1.0, axis="-z"),
-        disk(0.5, position=(0.0, 0.0, 1e-16)),
         pz.Rectangle(
             name="disk", surface=pz.Absorber(), position=(0.0, 0.0, 0.0), axis="-z",
             half_width=1.0, half_height=1.0,
@@ -305,7 +304,7 @@ def test_an_element_flush_in_one_named_before(small):
     "other",
     [
         disk(0.3, position=(0.8, 0.0, 0.0)),  # over the edge
-        disk(0.3, position=(0.0, 0.0, 1e-9)),  # a gap
+        disk(0.3, position=(0.0, 0.0, 1e-16)),  # a gap
         disk(0.3, tilt_deg=(1e-6, 0.0)),  # through it
         disk(1.2),  # it reaches beyond
     ],
@@ -313,6 +312,31 @@ def test_an_element_flush_in_one_named_before(small):
 def test_elements_that_are_not_flush(other):
     wall = plate()
     assert advisories([point(0, 0, 1)], [wall, other]) == []
+
+
+def test_what_lies_flush_behind_glass_is_hit():
+    glass = pz.Fresnel(1.5)
+    assert advisories([point(0, 0, 1)], [plate(glass), disk(0.3)]) == []
+    assert advisories([point(0, 0, 1)], [plate(glass), plate(name="twin")]) == []
+    three = [plate(), plate(name="twin"), disk(0.3, name="small"), disk(0.3, name="smaller")]
+    assert len(advisories([point(0, 0, 1)], three)) == 3  # a line for each
+
+
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (33.0, -12.0)])
+def test_what_the_advisory_says_of_flush_elements_is_so(tilt):
+    wall, spot = plate(tilt_deg=tilt), disk(0.3, tilt_deg=tilt)
+    for pair, lit in (((wall, spot), "plate"), ((spot, wall), "disk")):
+        scene = pz.Scene(name="flush", source=(point(0, 0, 1e-3),), element=pair)
+        result = pz.trace(scene, batches=2, rays_per_batch=1024)
+        assert bool(result.advisories) == (lit == "plate")
+        absorbed = {name: row.value for name, row in result.ledger.absorbed.items()}
+        assert absorbed[lit] > 0.4
+        assert (absorbed["disk"] == 0.0) == (lit == "plate")
+
+
+def test_many_coincident_elements_are_told_soon():
+    many = [plate(name=f"p{n}", tilt_deg=(20.0, 0.0)) for n in range(3000)]
+    assert len(advisories([point(0, 0, 1)], many)) == 2999
 
 
 def test_fresnel_surfaces():
