@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-from itertools import product
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from photizon_cl.elements import Disk, Element, Sphere
-from photizon_cl.elements.flat import Flat
+from photizon_cl.elements import Element, Sphere
+from photizon_cl.flush import flush_elements
 from photizon_cl.frames import to_local
-from photizon_cl.neighbours import Neighbours
 from photizon_cl.sources import LambertianSphere, Source
 
 if TYPE_CHECKING:
@@ -21,7 +17,6 @@ if TYPE_CHECKING:
 
 _CAPPED = 1e-6  # expected depth-capped part of the flux that is worth a word
 _SPLITTING_CAP = 24  # generations after which 2^n children are too many to follow
-_ROUNDING: Final = 2.0**-48  # of the sums here, relative
 
 
 def advisories(scene: Scene) -> list[str]:
@@ -77,71 +72,7 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
             )
         elif not element.surface.splits:  # what goes through meets the other
             first[shape] = element.name
-    yield from _flush_elements(scene)
-
-
-def _flush_elements(scene: Scene) -> Iterator[str]:
-    """Find flat elements that lie wholly in an opaque one named before.
-
-    Only where every ray is at the very same distance from both: in a plane across an axis at the
-    same coordinate, or around the same centre. Elsewhere rounding decides which is hit.
-    """
-    planes: dict[tuple[object, ...], int] = {}
-    taken: set[tuple[object, ...]] = set()
-    flats: list[Flat] = []
-    plane_of: list[int] = []
-    for flat in scene.element:
-        if not isinstance(flat, Flat):
-            continue
-        shape = (flat.kind, flat.position, flat.frame, flat.half_sizes)
-        if shape in taken:
-            continue  # the very geometry
-        if not flat.surface.splits:
-            taken.add(shape)
-        flats.append(flat)
-        axis, (x, y, z) = flat.class_axis, flat.frame[2]
-        across = (axis, flat.position[axis]) if axis is not None else None
-        plane = across or (flat.position, max((x, y, z), (-x, -y, -z)))
-        plane_of.append(planes.setdefault(plane, len(planes)))
-    if len(flats) < 2:
-        return
-    number, opaque = np.array(plane_of), np.array([not f.surface.splits for f in flats])
-    centres = np.array([f.position for f in flats])
-    least = np.array([min(f.half_sizes) for f in flats])  # from the centre to the edge
-    farthest = np.array([math.hypot(*f.half_sizes) for f in flats])
-    told: set[int] = set()
-    for first, second in Neighbours(flats).pairs():
-        apart = np.linalg.norm(centres[second] - centres[first], axis=1)
-        flush = (first < second) & (number[first] == number[second]) & opaque[first]
-        flush &= apart + least[second] <= farthest[first] * (1.0 + _ROUNDING)
-        for i, j in zip(first[flush].tolist(), second[flush].tolist(), strict=True):
-            over, under = flats[i], flats[j]
-            if j not in told and _lies_within(under, over):
-                told.add(j)
-                yield (
-                    f'element "{under.name}" lies flush in "{over.name}", which is named first and '
-                    f'takes every hit where both are equally near: "{under.name}" is never hit; '
-                    "name it first, or move it"
-                )
-
-
-def _lies_within(small: Flat, large: Flat) -> bool:
-    """Say whether no point of a flat element is outside another one in the same plane."""
-    grown = 1.0 + _ROUNDING
-    (u, v), (half_u, half_v) = large.half_sizes, small.half_sizes
-    x, y, _ = large.local(small.position)
-    if isinstance(small, Disk):
-        if isinstance(large, Disk):
-            return math.hypot(x, y) + small.radius <= large.radius * grown
-        return abs(x) + small.radius <= u * grown and abs(y) + small.radius <= v * grown
-    corners = [
-        large.local((x, y, z))
-        for a, b in product((-half_u, half_u), (-half_v, half_v))
-        for x, y, z in [np.add(small.position, np.dot((a, b), small.frame[:2])).tolist()]
-    ]
-    if isinstance(large, Disk):
-        return all(math.hypot(x, y) <= large.radius * grown for x, y, _ in corners)
-    return all(abs(x) <= u * grown and abs(y) <= v * grown for x, y, _ in corners)
+    yield from flush_elements(scene)
 
 
 def _blind_detectors(scene: Scene) -> Iterator[str]:

@@ -303,15 +303,39 @@ def test_an_element_flush_in_one_named_before(small):
 @pytest.mark.parametrize(
     "other",
     [
-        disk(0.3, position=(0.8, 0.0, 0.0)),  # over the edge
-        disk(0.3, position=(0.0, 0.0, 1e-16)),  # a gap
+        disk(0.3, position=(0.0, 0.0, 1e-13)),  # a gap
         disk(0.3, tilt_deg=(1e-6, 0.0)),  # through it
-        disk(1.2),  # it reaches beyond
+        disk(1.5),  # it holds the wall
+        disk(1.3, position=(2.0, 2.0, 0.0)),  # past its corner
+        dataclasses.replace(plate(name="tile"), position=(2.0, 0.0, 0.0)),  # an edge in common
     ],
 )
 def test_elements_that_are_not_flush(other):
     wall = plate()
     assert advisories([point(0, 0, 1)], [wall, other]) == []
+
+
+def test_an_element_that_is_partly_under_one_named_before():
+    (line,) = advisories([point(0, 0, 1)], [plate(), disk(0.3, position=(0.8, 0.0, 0.0))])
+    assert '"disk" lies partly flush in "plate", which is named first and takes every' in line
+    tiles = [plate(name="left"), dataclasses.replace(plate(name="right"), position=(2.0, 0.0, 0.0))]
+    (line,) = advisories([point(0, 0, 1)], [*tiles, disk(0.3, position=(1.0, 0.0, 0.0))])
+    assert 'partly flush in "left"' in line
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_tilted_elements_whose_plane_is_one_to_rounding(order):
+    wall = plate(tilt_deg=(25.0, 30.0))
+    u, v, w = wall.frame
+    at = tuple(0.3 * a + 0.2 * b for a, b in zip(u, v, strict=True))
+    spot = disk(0.3, tilt_deg=(25.0, 30.0), position=at)
+    (line,) = advisories([point(0, 0, 1)], [wall, spot][::order])
+    assert "is left to rounding, ray by ray" in line
+    lifted = tuple(a + 1e-12 * b for a, b in zip(at, w, strict=True))
+    assert (
+        advisories([point(0, 0, 1)], [wall, dataclasses.replace(spot, position=lifted)][::order])
+        == []
+    )
 
 
 def test_what_lies_flush_behind_glass_is_hit():
