@@ -371,3 +371,15 @@ def test_a_task_that_keeps_failing_is_told():
 
     with pytest.raises(pz.RunError, match="failed twice on the executor"):
         pz.trace("integrating-sphere", batches=2, rays_per_batch=QUICK, executor=Broken())
+
+
+@pytest.mark.parametrize("run", [{"roulette_floor": 0.7}, {"generation_cap": 2}])
+def test_the_ledger_closes_where_roulette_adds_and_takes_and_at_a_low_cap(run):
+    result = pz.trace("box-room", batches=3, rays_per_batch=2048, **run)
+    ledger = result.ledger
+    if "roulette_floor" in run:
+        assert ledger.roulette.boosted.value > 0.0
+        assert ledger.roulette.killed.value > 0.0
+    else:
+        assert ledger.depth_capped.value > 0.0
+    assert abs(ledger.closure) <= ledger.worst_closure <= 1e-15 * ledger.emitted.value
