@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import multiprocessing
@@ -375,8 +376,9 @@ def test_a_task_that_keeps_failing_is_told():
 
 @pytest.mark.parametrize("run", [{"roulette_floor": 0.7}, {"generation_cap": 2}])
 def test_the_ledger_closes_where_roulette_adds_and_takes_and_at_a_low_cap(run):
-    result = pz.trace("box-room", batches=3, rays_per_batch=2048, **run)
-    ledger = result.ledger
+    scene = pz.load("box-room")
+    settings = dataclasses.replace(scene.run, rays_per_batch=2048, **run)
+    ledger = pz.trace(dataclasses.replace(scene, run=settings), batches=3).ledger
     if "roulette_floor" in run:
         assert ledger.roulette.boosted.value > 0.0
         assert ledger.roulette.killed.value > 0.0
