@@ -283,7 +283,7 @@ def open_device(
 
 
 def preferred_lanes(record: DeviceRecord, effects: frozenset[str] = frozenset()) -> int:
-    """Return the width of the lane type that suits a device and a program.
+    """Return how many rays a work-item holds at once, as suits a device and a program.
 
     Parameters
     ----------
@@ -295,11 +295,13 @@ def preferred_lanes(record: DeviceRecord, effects: frozenset[str] = frozenset())
     Returns
     -------
     int
-        1 on a GPU, and for a search through the tree of boxes, which takes one ray at a time; else
-        on a CPU 16 where the runtime vectorises and has vectors of 8 doubles, or 8.
+        1 on a GPU; on a CPU 8 that go through a tree of boxes in turn, else the lanes of a packet:
+        16 where the runtime vectorises and has vectors of 8 doubles, or 8.
     """
-    if record.type == "gpu" or "acceleration" in effects:
+    if record.type == "gpu":
         return 1
+    if "acceleration" in effects:
+        return 8
     vectorises = not record.is_pocl or record.pocl_version >= (3, 1)
     return 16 if vectorises and record.native_vector_width_double >= 8 else 8
 

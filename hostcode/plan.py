@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.errors import HostError
+from hostcode.program import CACHED_BYTES
 
 if TYPE_CHECKING:
     from hostcode.device import DeviceRecord
@@ -26,7 +27,8 @@ class ExecutionPlan:
         ``packets``: persistent packets, every stage in one kernel; ``classical``: a kernel per
         stage and one interaction a step; ``whole-path``: a work-item follows one ray to its end.
     lanes : int
-        Rays a work-item holds at once: 1, 2, 4, 8 or 16.
+        Rays a work-item holds at once: 1, 2, 4, 8 or 16; in the lanes of a packet, or where they go
+        through a tree of boxes in turn.
     items : int
         Work-items, each with its own segment of the queue (``whole-path``: one per ray).
     wave_rays : int
@@ -45,6 +47,9 @@ class ExecutionPlan:
         Copies of the tally that the tally stage adds to without atomics, 0 for atomics.
     interleaved : bool
         Queue layout: segments interleaved (GPUs) or contiguous.
+    cached_bytes : int
+        How much of the tables of a scene with many elements is taken to stay in a core's cache:
+        what a ray needs beyond it is fetched while other rays go on.
     """
 
     composition: str = "packets"
@@ -58,6 +63,7 @@ class ExecutionPlan:
     tally_parts: int = 4
     tally_copies: int = 0
     interleaved: bool = False
+    cached_bytes: int = CACHED_BYTES
 
     def __post_init__(self) -> None:
         if self.composition not in COMPOSITIONS:

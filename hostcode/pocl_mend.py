@@ -1,13 +1,14 @@
 """Makes the PoCL of PyPI work on CPUs that are younger than its compiler.
 
 The package ``pocl-binary-distribution`` 3.0, which ``pyopencl[pocl]`` installs, carries LLVM 14.
-On a CPU that LLVM 14 does not know by name (AMD Zen 4 and later, for example) it asks its own
-compiler for the target CPU ``generic``, which that compiler refuses: ``unknown target CPU
-'generic'``, for every kernel (PoCL issue 1049). PoCL 3.1 and later fall back to the CPU that their
-built-in library was compiled for. For want of a newer release on PyPI the same fall-back is made
-here: the one function that names the CPU, exported by that library, is replaced in this process'
-memory. No file is changed. Where anything is not as expected nothing is done, and the device is
-then refused by the self-test with the compiler's words.
+On a CPU that LLVM 14 does not know by name (AMD Zen 5, for example) it asks its own compiler for
+the target CPU ``generic``, which that compiler refuses: ``unknown target CPU 'generic'``, for every
+kernel (PoCL issue 1049). AMD Zen 4 it takes for ``znver3``, which has no AVX-512, while it links
+its built-in library for AVX-512: calls pass vectors of eight doubles differently. PoCL 3.1 and
+later fall back to the CPU that their built-in library was compiled for. For want of a newer release
+on PyPI the same fall-back is made here: the one function that names the CPU, exported by that
+library, is replaced in this process' memory. No file is changed. Where anything is not as expected
+nothing is done, and the device is then refused by the self-test with the compiler's words.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ _EXPORT: Final = "pocl_get_llvm_cpu_name"
 # What PoCL 3.0 looks at to pick a built-in library, and the CPU that this library was compiled
 # for; kernels must be compiled for the very same, or calls between them pass vectors differently.
 _AVX512: Final = {"avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl"}
+_AVX512_CPU: Final = "skylake-avx512"
+_WITHOUT_AVX512: Final = {b"znver1", b"znver2", b"znver3"}
 _AVX2: Final = {"avx", "avx2", "cx16", "popcnt", "abm", "f16c", "fma", "bmi1", "bmi2", "movbe"}
 
 _keep: list[object] = []  # what the replaced code points to must live as long as the process
@@ -67,10 +70,9 @@ def mend_pypi_pocl() -> str:
         library = ctypes.CDLL(str(icd.parent / icd.read_text(encoding="utf-8").strip()))
         function = getattr(library, _EXPORT)
         function.restype = ctypes.c_char_p
-        if function() != b"generic":
-            return ""
-        name = _library_cpu()
-        replaced = bool(name) and _replace(function, name)
+        taken_for, name = function(), _library_cpu()
+        wrong = taken_for == b"generic" or (name == _AVX512_CPU and taken_for in _WITHOUT_AVX512)
+        replaced = wrong and bool(name) and _replace(function, name)
     except (OSError, AttributeError, ValueError, importlib.metadata.PackageNotFoundError):
         return ""
     return name if replaced else ""
@@ -86,7 +88,7 @@ def _library_cpu() -> str:
     lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     flags = set(next(line for line in lines if line.startswith("flags")).split())
     if "avx512f" in flags:
-        return "skylake-avx512" if flags >= _AVX512 | _AVX2 else ""
+        return _AVX512_CPU if flags >= _AVX512 | _AVX2 else ""
     return "haswell" if flags >= _AVX2 else ""
 
 

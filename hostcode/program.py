@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from hostcode.device import OpenDevice
 
 __all__ = [
+    "CACHED_BYTES",
     "MATERIAL_STRIDE",
     "MAX_REGISTER_ELEMENTS",
     "OPTIONS",
@@ -54,6 +55,11 @@ TREE_NODE: Final = 16
 """Doubles of a node."""
 TREE_STACK: Final = 169
 """Places of the search's stack: seven stay behind at each of up to 24 levels, and one."""
+
+CACHE_LINE: Final = 64
+"""Bytes of a cache line."""
+CACHED_BYTES: Final = 1 << 20
+"""How much of a scene's tables is taken to stay in a core's cache: its second level, measured."""
 
 OPTIONS: Final[tuple[str, ...]] = ("-cl-std=CL1.2",)
 """Build options; no ``-cl-*-math`` option may ever stand here."""
@@ -143,6 +149,10 @@ class ProgramSpec:
     note_bits: int = 16
     """Bits of a face there: 16 for up to 2047 elements, else 32."""
     lanes: int = 1
+    packets: int = 1
+    """Packets of so many lanes that a work-item keeps at once."""
+    cached_bytes: int = 0
+    """With a tree: how much of the scene's tables stays in a core's cache."""
     interleaved: bool = False
     private_tallies: bool = False
     stages: tuple[str, ...] = ("wave",)
@@ -154,11 +164,19 @@ class ProgramSpec:
         *,
         interleaved: bool = False,
         private_tallies: bool = False,
+        cached_bytes: int = CACHED_BYTES,
     ) -> ProgramSpec:
-        """Return the spec with what a device and a composition add."""
+        """Return the spec with what a device and a composition add.
+
+        `lanes` is how many rays a work-item holds at once: in the lanes of one packet, or, where
+        they go through a tree of boxes each by itself, in as many packets of one lane.
+        """
+        one_by_one = "acceleration" in self.effects
         return replace(
             self,
-            lanes=lanes,
+            lanes=1 if one_by_one else lanes,
+            packets=lanes if one_by_one else 1,
+            cached_bytes=cached_bytes if one_by_one and lanes > 1 else 0,
             stages=stages,
             interleaved=interleaved,
             private_tallies=private_tallies,
@@ -195,6 +213,10 @@ def program_source(spec: ProgramSpec) -> str:
     """
     context: dict[str, Any] = {
         "lanes": spec.lanes,
+        "packets": spec.packets,
+        # a row's first line and the two of a node; nodes stand level by level
+        "warm_elements": spec.cached_bytes // CACHE_LINE,
+        "warm_nodes": spec.cached_bytes // (4 * 8 * TREE_NODE),
         "lane": lambda value, number: lane(value, number, spec.lanes),
         "effects": spec.effects,
         "classes": spec.classes,
@@ -225,7 +247,8 @@ def program_source(spec: ProgramSpec) -> str:
     for cls in spec.classes:
         before = {"solid": ("lib/local", "lib/solid", "lib/cap_bound"), "walls": ("lib/local",)}
         after = {"flat": ("lib/flat",)}
-        stems = (*before.get(cls.family, ()), f"elements/{cls.kind}", *after.get(cls.family, ()))
+        around = (*before.get(cls.family, ()), f"elements/{cls.kind}", *after.get(cls.family, ()))
+        stems = (*around, "lib/meet")
         parts += [(f"{stem}.mako", {"cls": cls}) for stem in stems]
     if "acceleration" in spec.effects:
         parts.append(("effects/acceleration.mako", {}))

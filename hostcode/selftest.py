@@ -224,7 +224,11 @@ def _run_width(opened: OpenDevice, lanes: int) -> list[str]:
         warnings.simplefilter("ignore", cl.CompilerWarning)
         program = cl.Program(opened.context, source(lanes)).build(options=list(BUILD_OPTIONS))
     failures: dict[str, None] = {}  # a set in order: both group sizes mostly fail alike
-    kernels = _Kernels(opened, program, lanes)
+    try:
+        kernels = _Kernels(opened, program, lanes)
+    except AttributeError:
+        # PoCL 3.0 says that it built a program whose code it could not make
+        return ["the program was built, but has none of its kernels"]
     for group in GROUP_SIZES:
         if group <= opened.record.max_work_group_size:
             for failure in (

@@ -114,6 +114,7 @@ class Engine:
             _STAGES[plan.composition],
             interleaved=plan.interleaved,
             private_tallies=self._copies > 0,
+            cached_bytes=plan.cached_bytes,
         )
         self.program: Program = build(device, spec)
         self._items = self._count_items()

@@ -55,6 +55,15 @@ typedef lint mask;
 #define SELW(m, a, b) (WORD_MASK(m) ? (a) : (b))
 #define LANES ${lanes}
 
+// Has a cache line fetched; no more than a hint.  OpenCL's own prefetch() does nothing in PoCL.
+#if defined(__x86_64__) || defined(__aarch64__)
+#define FETCH(place) __builtin_prefetch((const void *)(size_t)(place), 0)
+#define FETCH_TO_WRITE(place) __builtin_prefetch((const void *)(size_t)(place), 1)
+#else
+#define FETCH(place)
+#define FETCH_TO_WRITE(place)
+#endif
+
 #define NO_FACE (-1L)
 #define UNIT_ROUNDOFF 0x1p-53
 

@@ -34,11 +34,13 @@ FN void add_limbs(__global long *cell, long a, long b, long c) {
 }
 % endif
 
-// Has an element's row fetched while its surface is met: among many elements it is not in the cache,
-// and an atomic addition waits for it.
+// Has an element's row fetched before what it absorbs is booked: an atomic addition waits for it, and
+// another core may have it.
 FN void expect(const ledger_t *ledger, lint element, mask m) {
-% if "acceleration" in effects and lanes == 1 and not ledger_rows:
-    if (m) (void)*(volatile __global const long *)(ledger->tally + element * CELL);
+% if not ledger_rows:
+% for l in range(lanes):
+    if (${lane("m", l)}) FETCH_TO_WRITE(ledger->tally + ${lane("element", l)} * CELL);
+% endfor
 % endif
 }
 

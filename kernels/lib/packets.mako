@@ -4,6 +4,9 @@
 ${launch_struct}
 ${item_struct}
 
+// Packets that a work-item keeps; more than one where they are taken in turn (effects/acceleration.mako).
+#define PACKETS ${packets}
+
 // A ray in every lane.  Weights are relative to the heaviest launched ray of the scene.
 // left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
 // or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
@@ -78,7 +81,8 @@ typedef struct {
 // and in file order the codes with the material's row in place of the element's number.
 % if "acceleration" in effects:
 #define TREE_PLACE(scene) ((scene)->codes[${len(classes)}])
-#define CODE_AT(scene, element) ((scene)->codes[${len(classes) + 1} + (element)] & 0xFFFFFFFFL | (long)(element) << 32)
+#define CODE_ENTRY(scene, element) ((scene)->codes[${len(classes) + 1} + (element)])
+#define CODE_AT(scene, element) (CODE_ENTRY(scene, element) & 0xFFFFFFFFL | (long)(element) << 32)
 #define ONLY_ELEMENT(scene, number) ((scene)->codes[number] - ${len(classes) + 1})
 #define MATERIAL_OF(entry) ((entry) >> 32)
 % else:

@@ -28,7 +28,6 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % else:
     const mask takes = found;
 % endif
-    expect(ledger, element, takes);
     contact_t c;
     locate(scene, p, h, &c);
     const image_t before = image_of(p->w);

@@ -31,10 +31,11 @@ RUN = RunSettings(rays_per_batch=1024, generation_cap=40)
 FEWER = RunSettings(rays_per_batch=256, generation_cap=40)
 
 
-def digest(device, scene, accelerate, lanes, run=RUN, force=frozenset()):
+def digest(device, scene, accelerate, lanes, run=RUN, force=frozenset(), **choices):
     compiled = compile_scene(scene, run, force, accelerate)
     assert ("acceleration" in compiled.effects) == accelerate
-    engine = Engine(device, compiled.tables, default_plan(device.record, lanes))
+    plan = default_plan(device.record, lanes).with_(lanes=lanes, **choices)
+    engine = Engine(device, compiled.tables, plan)
     total = hashlib.sha256()
     for batch in engine.run(0, 1):
         total.update(batch.cells.tobytes())
@@ -47,9 +48,10 @@ def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device):
         scene = random_scene(n, seed=k)
         run = RUN if n < 3000 else FEWER  # the plain scan takes its time
         # few elements would make many programs: one lane builds fastest
-        lanes, force = (1, frozenset({"contact"})) if n < 130 else (8, frozenset())
+        few = n < 130
+        lanes, force = (1, frozenset({"contact"})) if few else (8, frozenset())
         plain, interactions = digest(device, scene, False, lanes, run, force)
-        fast, _ = digest(device, scene, True, 1, run, force)
+        fast, _ = digest(device, scene, True, 1 if few else 8, run, force)
         assert fast == plain, f"{n} elements"
         hits += interactions
     assert len(SIZES) == 50
@@ -60,6 +62,16 @@ def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device):
 def test_the_bits_do_not_depend_on_the_lanes(device, lanes):
     scene = filled_scene(216, seed=3)
     assert digest(device, scene, True, lanes)[0] == digest(device, scene, False, 8)[0]
+
+
+@pytest.mark.parametrize("lanes", [2, 8, 16])
+def test_the_bits_do_not_depend_on_what_is_cached(device, lanes):
+    # rays change places at every node and row; below the first nodes; never
+    scene = filled_scene(1000, seed=4)
+    run = RunSettings(rays_per_batch=2048, generation_cap=40)
+    want = digest(device, scene, False, 8, run)
+    for cached in (1, 1 << 14, 1 << 30):
+        assert digest(device, scene, True, lanes, run, cached_bytes=cached) == want
 
 
 @pytest.mark.parametrize(("unit", "away"), [(1.0, 0.0), (2.0**-30, 0.0), (1e9, 0.0), (1.0, 3e5)])
@@ -79,10 +91,12 @@ def test_rays_along_the_axes_far_away_tiny_and_huge(device, unit, away):
     assert interactions > 2000
 
 
-def test_the_default_is_one_lane_through_the_tree(device):
-    effects = compile_scene(tiled_scene(300, seed=1), RUN).tables.spec.effects
-    assert "acceleration" in effects
-    assert preferred_lanes(device.record, effects) == 1
+def test_the_default_takes_eight_rays_in_turn_through_the_tree(device):
+    spec = compile_scene(tiled_scene(300, seed=1), RUN).tables.spec
+    assert "acceleration" in spec.effects
+    lanes = preferred_lanes(device.record, spec.effects)
+    made = spec.for_device(lanes, ("wave",))
+    assert (made.lanes, made.packets) == ((1, 8) if device.record.type == "cpu" else (1, 1))
 
 
 def reach_of(nodes, children):

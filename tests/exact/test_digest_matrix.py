@@ -18,6 +18,7 @@ stack_rays             1 (segments grow, losing nothing), 64, 256
 queue layout           contiguous, interleaved
 tally_copies, parts    atomics (parts 1, 4), 1 copy, 2 copies
 compute units          1, 2
+cached_bytes           1 (with a tree), 2^20
 runtime                Debian's PoCL, PyPI's PoCL
 batches                12; 3 + 9; one by one in reverse order
 =====================  ======================================================================
@@ -151,6 +152,22 @@ def test_one_and_two_threads(name: str) -> None:
 @pytest.mark.parametrize("lanes", [1, 8])
 def test_both_pocls(name: str, origin: str, lanes: int) -> None:
     same(name, device=open_device(origin), lanes=lanes, refill=1, batches=3)
+
+
+@pytest.mark.parametrize("composition", ["packets", "classical"])
+@pytest.mark.parametrize("name", ["ghost-ladder", "everything"])
+def test_rays_in_turn_through_a_tree(name: str, composition: str) -> None:
+    """Splitting, roulette, records, small segments: rays change places wherever they can."""
+    tables = everything() if name == "everything" else name
+    made = compiled(
+        load(tables) if isinstance(tables, dict) else tables,
+        frozenset({"acceleration"}),
+        rays_per_batch=RAYS,
+    )
+    for choices in ({"lanes": 8, "refill": 2}, {"lanes": 16, "max_bounces": 3, "stack_rays": 1}):
+        plan = BASE.with_(composition=composition, cached_bytes=1, items=7, **choices)
+        run = trace_compiled(made, 3, plan=plan)
+        assert [c.tobytes() for c in run.batches] == [c.tobytes() for c in base(name).batches[:3]]
 
 
 @every_scene

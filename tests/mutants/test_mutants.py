@@ -217,9 +217,21 @@ MUTANTS = (
     ),
     Mutant(
         "of equal distances the last named is hit",
-        "lib/nearest.mako",
+        "lib/meet.mako",
         (("LT(hit_code, h->code)", "GT(hit_code, h->code)"),),
         gates.first_named_is_hit,
+    ),
+    Mutant(
+        "a ray taken in turn goes on among another's boxes",
+        "effects/acceleration.mako",
+        (("ray = walk->ray", "ray = walks[0].ray"),),
+        gates.rays_in_turn_keep_apart,
+    ),
+    Mutant(
+        "a careful search ends that of the rays beside it",
+        "lib/nearest.mako",
+        (("wanted &= ~(1u << l);", "wanted = 0u;"),),
+        gates.rays_in_turn_keep_apart,
     ),
     Mutant(
         "faces in contact are never crossed",

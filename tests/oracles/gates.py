@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import random
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,8 @@ import numpy as np
 from oracles import compare, corners, curved, philox, regions, scenes
 from oracles.engine import PLAN, compiled, probe, scene_of, trace, trace_compiled
 from oracles.kernels import run_text
-from oracles.scenes import BLACK, beam, cube, glass, mirror, wall
+from oracles.scenes import BLACK, beam, cube, glass, matt, mirror, wall
+from photizon_cl.compile import compile_scene
 from photizon_cl.scene_io import load
 from photizon_cl.surfaces import Mirror
 
@@ -102,6 +104,24 @@ def first_named_is_hit() -> None:
     found = trace(scene_of([lamp], [target, shiny]), rays_per_batch=64)
     assert (found.absorbed("target"), found.escaped) == (64, 0)
     assert found.interactions == 64
+
+
+def rays_in_turn_keep_apart() -> None:
+    """Rays that change places at every node and row, also in a corner: the plain scan's bits."""
+    lamp = {"kind": "isotropic-point", "flux": 1.0, "position": [0.1, 0.2, 0.3]}
+    into_edge = beam((0.1, 0.2, 1.0), "-z", 1e-17)
+    into_edge["position"][0] = -1.0
+    ball = {"kind": "sphere", "radius": 0.3, "position": [0.3, -0.2, -0.4], "axis": "+z"}
+    scene = scene_of([lamp, into_edge], [*cube(matt(0.9)), {**ball, **mirror(0.9)}])
+    made = [
+        compile_scene(scene, replace(scene.run, rays_per_batch=512), accelerate=a)
+        for a in (False, True)
+    ]
+    want = trace_compiled(made[0])
+    assert want.escaped == 0
+    for lanes in (4, 8):
+        plan = PLAN.with_(lanes=lanes, cached_bytes=1)
+        assert trace_compiled(made[1], plan=plan).digest == want.digest
 
 
 def contact_behind_glass() -> None:

@@ -89,14 +89,28 @@ class _Mended:
     reason="the mend is for Linux on x86-64",
 )
 class TestMend:
-    def test_replaces_generic_only(self, monkeypatch, tmp_path):
-        mended = _Mended(monkeypatch, tmp_path, flags="haswell")
-        assert pocl_mend.mend_pypi_pocl.__wrapped__() == "haswell"
-        assert mended.calls == ["haswell"]
+    @pytest.mark.parametrize(
+        ("cpu", "flags"),
+        [
+            (b"generic", "haswell"),
+            # what LLVM 14 takes Zen 4 for knows no AVX-512, with which the library is linked
+            (b"znver3", "skylake-avx512"),
+        ],
+    )
+    def test_replaces_a_cpu_that_is_not_the_library_s(self, monkeypatch, tmp_path, cpu, flags):
+        mended = _Mended(monkeypatch, tmp_path, cpu=cpu, flags=flags)
+        assert pocl_mend.mend_pypi_pocl.__wrapped__() == flags
+        assert mended.calls == [flags]
 
     @pytest.mark.parametrize(
         "condition",
-        [{"cpu": b"znver3"}, {"flags": ""}, {"version": "4.0"}, {"version": "1.3.post1"}],
+        [
+            {"cpu": b"znver3", "flags": "haswell"},
+            {"cpu": b"icelake-server"},
+            {"flags": ""},
+            {"version": "4.0"},
+            {"version": "1.3.post1"},
+        ],
     )
     def test_leaves_everything_else_alone(self, monkeypatch, tmp_path, condition):
         mended = _Mended(monkeypatch, tmp_path, **condition)

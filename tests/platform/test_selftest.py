@@ -70,6 +70,12 @@ def test_a_failure_shows_operands_and_both_answers(monkeypatch, device):
     assert ", not " in failure
 
 
+def test_a_program_without_its_kernels_is_a_failure(monkeypatch, device):
+    monkeypatch.setattr(selftest, "source", lambda lanes: "__kernel void another(void) {}")
+    (failure,) = selftest.run(device, (1,)).failures
+    assert failure == "1 lanes: the program was built, but has none of its kernels"
+
+
 def test_source_begins_with_no_contraction_and_has_the_production_libraries():
     for lanes in (1, 8):
         text = selftest.source(lanes)

@@ -1,0 +1,30 @@
+## cls: the element class; lanes, effects; rendered once a class
+// An element of the class is asked whether a ray meets it, and where nearer than what it has met so
+// far, `h` becomes that.  Where two are equally near, the element named first in the file is hit.
+// reads: the element's row and code, packet, what the ray left.  writes: hit.
+FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, long code, const packet_t *p, lint left,
+                       search_t *search, hit_t *h) {
+    real t;
+% if cls.local:
+    lint face;
+    const mask ok = hit_${cls.suffix}(row, code, p, left, scene, search, &t, &face);
+    const lint hit_code = WITH_FACE(code, face);
+% else:
+    mask edge = lsplat(0L);
+    const mask ok = hit_${cls.suffix}(row, code, p, EQ(left, lsplat(code)), scene, search, &t, &edge);
+    const lint hit_code = lsplat(code);
+% endif
+    const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & LT(hit_code, h->code)));
+% if lanes == 1:
+    // a branch that is rarely taken beats four conditional moves
+    if (!closer) return;
+% endif
+    h->t = SEL(closer, t, h->t);
+    h->code = SEL(closer, hit_code, h->code);
+% if cls.flat:
+    h->edge = SEL(closer, edge, h->edge);
+% if cls.axis is not None:
+    h->plane = SEL(closer, splat(row[${cls.axis}]), h->plane);
+% endif
+% endif
+}
