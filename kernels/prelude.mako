@@ -61,7 +61,7 @@ typedef lint mask;
 #define FETCH_TO_WRITE(place) __builtin_prefetch((const void *)(size_t)(place), 1)
 #else
 #define FETCH(place)
-#define FETCH_TO_WRITE(place)
+#define FETCH_TO_WRITE(place) ((void)*(volatile __global const long *)(place))
 #endif
 
 #define NO_FACE (-1L)

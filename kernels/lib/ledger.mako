@@ -37,7 +37,7 @@ FN void add_limbs(__global long *cell, long a, long b, long c) {
 // Has an element's row fetched before what it absorbs is booked: an atomic addition waits for it, and
 // another core may have it.
 FN void expect(const ledger_t *ledger, lint element, mask m) {
-% if not ledger_rows:
+% if "acceleration" in effects and not ledger_rows:
 % for l in range(lanes):
     if (${lane("m", l)}) FETCH_TO_WRITE(ledger->tally + ${lane("element", l)} * CELL);
 % endfor

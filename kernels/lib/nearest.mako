@@ -31,8 +31,12 @@ FN void nearest_of(const scene_t *scene, const packet_t *packets, uint n, hit_t 
     search_t searches[PACKETS];
     uint wanted = 0;
     for (uint l = 0; l < n; l++) {
-        hits[l].found = lsplat(0L);
-        if (packets[l].alive) wanted |= 1u << l;
+        if (packets[l].alive) {
+            wanted |= 1u << l;
+        } else {
+            begin_search(searches + l, 0, hits + l);
+            end_search(searches + l, packets + l, hits + l);
+        }
     }
     for (int careful = 0; wanted; careful++) {
         for (uint rest = wanted; rest; rest &= rest - 1u) begin_search(searches + FIRST_PACKET(rest), careful, hits + FIRST_PACKET(rest));

@@ -28,6 +28,9 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % else:
     const mask takes = found;
 % endif
+% if packets == 1:
+    expect(ledger, element, takes);
+% endif
     contact_t c;
     locate(scene, p, h, &c);
     const image_t before = image_of(p->w);

@@ -59,7 +59,9 @@ __kernel void wave(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
 % endif
         hit_t hits[PACKETS];
         nearest_of(&scene, packets, PACKETS, hits);
+% if packets > 1:
         for (uint l = 0; l < PACKETS; l++) expect(&ledger, ELEMENT_OF(hits[l].code), hits[l].found);
+% endif
         for (uint l = 0; l < PACKETS; l++) {
             packet_t *p = packets + l;
             if (PACKETS > 1 && !ANY(p->alive)) continue;

@@ -117,6 +117,7 @@ def rays_in_turn_keep_apart() -> None:
         compile_scene(scene, replace(scene.run, rays_per_batch=512), accelerate=a)
         for a in (False, True)
     ]
+    assert ["acceleration" in m.effects for m in made] == [False, True]
     want = trace_compiled(made[0])
     assert want.escaped == 0
     for lanes in (4, 8):
