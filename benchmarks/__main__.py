@@ -18,7 +18,7 @@ from typing import Any
 
 from benchmarks import builds, cells, facts, throughput
 from benchmarks.report import Report
-from hostcode.device import choose, preferred_lanes
+from hostcode.device.device import choose, preferred_lanes
 from hostcode.errors import DeviceError
 
 PARTS = ("throughput", "builds")

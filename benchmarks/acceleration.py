@@ -23,17 +23,17 @@ import numpy as np
 from benchmarks.random_scenes import filled_scene, random_scene, tiled_scene
 from benchmarks.report import Report
 from benchmarks.visits import visits
-from hostcode.device import choose, open_device, preferred_lanes
-from hostcode.plan import default_plan
-from hostcode.wavefront import Engine
-from photizon_cl.compile import compile_scene
-from photizon_cl.settings import RunSettings
-from photizon_cl.tree import build_tree, world_boxes
-from photizon_cl.tree_nodes import pack_nodes, unpack_nodes
+from hostcode.device.device import choose, open_device, preferred_lanes
+from hostcode.program.plan import default_plan
+from hostcode.run.wavefront import Engine
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.tree_nodes import pack_nodes, unpack_nodes
+from photizon_cl.geometry.tree import build_tree, world_boxes
+from photizon_cl.scene.settings import RunSettings
 
 if TYPE_CHECKING:
-    from hostcode.device import OpenDevice
-    from hostcode.tables import DeviceTables
+    from hostcode.device.device import OpenDevice
+    from hostcode.run.tables import DeviceTables
 
 FAMILIES = {"filled": filled_scene, "tiled": tiled_scene, "sparse": random_scene}
 SIZES = (64, 216, 1000, 2744, 10_648, 32_768, 110_592)

@@ -22,13 +22,13 @@ from typing import TYPE_CHECKING, Any, Final
 from benchmarks import facts
 from benchmarks.report import Spread, table
 from benchmarks.runner import Runner, compiled_preset
-from hostcode.device import choose, open_device, preferred_lanes
-from hostcode.plan import default_plan
-from photizon_cl.presets import preset_names
+from hostcode.device.device import choose, open_device, preferred_lanes
+from hostcode.program.plan import default_plan
+from photizon_cl.scene.presets import preset_names
 
 if TYPE_CHECKING:
     from benchmarks.report import Report
-    from hostcode.device import DeviceRecord
+    from hostcode.device.device import DeviceRecord
 
 _RAYS: Final = 64
 """Rays of the first batch: few, so that its tracing takes no time beside the compiler."""

@@ -11,11 +11,11 @@ import dataclasses
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from hostcode.device import preferred_lanes
-from hostcode.plan import ExecutionPlan, default_plan
+from hostcode.device.device import preferred_lanes
+from hostcode.program.plan import ExecutionPlan, default_plan
 
 if TYPE_CHECKING:
-    from hostcode.device import DeviceRecord
+    from hostcode.device.device import DeviceRecord
 
 SCENES: Final = ("integrating-sphere", "box-room", "ghost-ladder")
 LANES: Final = (1, 4, 8, 16)

@@ -149,12 +149,12 @@ PARTS = (
 
 def scene(kind: str):
     """Return a scene that spends its time in what is measured."""
-    from photizon_cl.elements import Biconvex, Sphere
-    from photizon_cl.scene import Scene
-    from photizon_cl.settings import RunSettings
-    from photizon_cl.sources import IsotropicPoint
+    from photizon_cl.scene.elements import Biconvex, Sphere
+    from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.settings import RunSettings
+    from photizon_cl.scene.sources import IsotropicPoint
+    from photizon_cl.scene.surfaces import Fresnel, Lambertian
     from photizon_cl.stability.families_mixed import room
-    from photizon_cl.surfaces import Fresnel, Lambertian
 
     white = Lambertian(0.99)
     lamp = IsotropicPoint(name="lamp", flux=1.0, position=(0.1, 0.2, 0.3))
@@ -177,11 +177,11 @@ def scene(kind: str):
 
 def measure(kind: str, families: list[str], seconds: float) -> None:
     """Print interactions a second, then a line for every family (in a fresh process)."""
-    from hostcode.device import preferred_lanes
-    from hostcode.plan import default_plan
-    from hostcode.wavefront import Engine
-    from photizon_cl.compile import compile_scene
-    from photizon_cl.distribution import open_chosen
+    from hostcode.device.device import preferred_lanes
+    from hostcode.program.plan import default_plan
+    from hostcode.run.wavefront import Engine
+    from photizon_cl.compile.compiled import compile_scene
+    from photizon_cl.run.distribution import open_chosen
     from photizon_cl.stability.report import stability_report
 
     device = open_chosen(None)

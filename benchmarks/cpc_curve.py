@@ -25,7 +25,7 @@ import numpy as np
 
 import photizon_cl as pz
 from benchmarks.cpc_reference import follow, sizes, transmission
-from photizon_cl.frames import sincos_deg
+from photizon_cl.scene.frames import sincos_deg
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -20,15 +20,15 @@ from typing import TYPE_CHECKING, Any, Final
 from benchmarks import facts
 from benchmarks.report import table
 from benchmarks.runner import Runner, compiled_preset
-from hostcode.device import choose, open_device, preferred_lanes
+from hostcode.device.device import choose, open_device, preferred_lanes
 from hostcode.errors import DeviceError
-from hostcode.plan import default_plan
-from photizon_cl.presets import preset_names
+from hostcode.program.plan import default_plan
+from photizon_cl.scene.presets import preset_names
 
 if TYPE_CHECKING:
-    from hostcode.device import OpenDevice
-    from hostcode.plan import ExecutionPlan
-    from photizon_cl.compile import CompiledScene
+    from hostcode.device.device import OpenDevice
+    from hostcode.program.plan import ExecutionPlan
+    from photizon_cl.compile.compiled import CompiledScene
 
 STORED: Final = Path(__file__).absolute().parent / "data" / "digests.json"
 BATCHES: Final = 2

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from hostcode.device import DeviceRecord
+    from hostcode.device.device import DeviceRecord
 
 ROOT = Path(__file__).absolute().parents[1]
 

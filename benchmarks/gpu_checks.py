@@ -9,17 +9,17 @@ import pyopencl as cl
 from benchmarks import cells, digests
 from benchmarks.report import table
 from benchmarks.runner import Runner, compiled_preset
-from hostcode import selftest
-from hostcode.device import open_device, qualify, survey
+from hostcode.device import selftest
+from hostcode.device.device import open_device, qualify, survey
 from hostcode.errors import DeviceError, HostError, KernelBuildError
-from photizon_cl.presets import preset_names
+from photizon_cl.scene.presets import preset_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from benchmarks.gpu_session import Session
-    from hostcode.device import DeviceRecord, OpenDevice
-    from hostcode.plan import ExecutionPlan
+    from hostcode.device.device import DeviceRecord, OpenDevice
+    from hostcode.program.plan import ExecutionPlan
 
 _MATRIX_RAYS: Final = 20000
 """Rays of a batch in the matrix: no power of two, so that nothing divides evenly."""

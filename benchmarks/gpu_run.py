@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from benchmarks import builds, cells, facts, gpu_checks, gpu_timings
 from benchmarks.gpu_session import Session
 from benchmarks.report import Report
-from hostcode.device import choose, open_device, qualify, survey
+from hostcode.device.device import choose, open_device, qualify, survey
 from hostcode.errors import DeviceError
 
 if TYPE_CHECKING:

@@ -7,13 +7,13 @@ import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from hostcode.device import preferred_lanes
-from hostcode.plan import default_plan
+from hostcode.device.device import preferred_lanes
+from hostcode.program.plan import default_plan
 
 if TYPE_CHECKING:
     from benchmarks.report import Report
-    from hostcode.device import OpenDevice
-    from hostcode.plan import ExecutionPlan
+    from hostcode.device.device import OpenDevice
+    from hostcode.program.plan import ExecutionPlan
 
 
 @dataclass

@@ -10,13 +10,13 @@ import pyopencl as cl
 from benchmarks import cells
 from benchmarks.report import Spread, table
 from benchmarks.runner import Runner, compiled_preset, kernel_seconds
-from hostcode.device import open_device
+from hostcode.device.device import open_device
 from hostcode.errors import HostError
 
 if TYPE_CHECKING:
     from benchmarks.gpu_session import Session
-    from hostcode.plan import ExecutionPlan
-    from photizon_cl.compile import CompiledScene
+    from hostcode.program.plan import ExecutionPlan
+    from photizon_cl.compile.compiled import CompiledScene
 
 
 def kernels(session: Session) -> None:

@@ -23,9 +23,9 @@ SIDE = 2048
 def step(name: str, folder: Path, side: int, batches: int) -> dict[str, float]:
     """Do one step; return its seconds and the process's peak memory in MiB before and after."""
     import photizon_cl as pz
-    from photizon_cl.checkpoint import latest
-    from photizon_cl.result_directory import CHECKPOINT
-    from photizon_cl.result_file import write_state
+    from photizon_cl.result.directory import CHECKPOINT
+    from photizon_cl.result.file import write_state
+    from photizon_cl.run.checkpoint import latest
 
     tables = pz.load("cosine-fourth").to_dict()
     tables["element"][0]["detector"] = {"map": [side, side]}

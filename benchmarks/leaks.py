@@ -13,20 +13,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.report import Report
-from hostcode.device import choose, open_device, preferred_lanes
-from hostcode.plan import default_plan
-from hostcode.wavefront import Engine
-from photizon_cl.compile import compile_scene
-from photizon_cl.elements import Biconvex, PlanoConvex, Sphere
-from photizon_cl.frames import frame
-from photizon_cl.scene import Scene
-from photizon_cl.settings import RunSettings
-from photizon_cl.sources import IsotropicPoint
+from hostcode.device.device import choose, open_device, preferred_lanes
+from hostcode.program.plan import default_plan
+from hostcode.run.wavefront import Engine
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.scene.elements import Biconvex, PlanoConvex, Sphere
+from photizon_cl.scene.frames import frame
+from photizon_cl.scene.model import Scene
+from photizon_cl.scene.settings import RunSettings
+from photizon_cl.scene.sources import IsotropicPoint
+from photizon_cl.scene.surfaces import Lambertian, Mirror
 from photizon_cl.stability.families_mixed import room
-from photizon_cl.surfaces import Lambertian, Mirror
 
 if TYPE_CHECKING:
-    from photizon_cl.elements import Element
+    from photizon_cl.scene.elements import Element
 
 BOUNCES = 2000
 RAYS = 65536

@@ -7,16 +7,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from hostcode.wavefront import Engine
-from photizon_cl.compile import CompiledScene, compile_scene
-from photizon_cl.scene_io import load
-from photizon_cl.statistics import Accumulator, complete
+from hostcode.run.wavefront import Engine
+from photizon_cl.compile.compiled import CompiledScene, compile_scene
+from photizon_cl.result.statistics import Accumulator, complete
+from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from hostcode.device import OpenDevice
-    from hostcode.plan import ExecutionPlan
+    from hostcode.device.device import OpenDevice
+    from hostcode.program.plan import ExecutionPlan
 
 
 @dataclass(frozen=True)

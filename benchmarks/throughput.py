@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any, Final
 from benchmarks import cells
 from benchmarks.report import Spread, table
 from benchmarks.runner import Runner, Timing, compiled_preset, kernel_seconds
-from hostcode.device import open_device, preferred_lanes
+from hostcode.device.device import open_device, preferred_lanes
 from hostcode.errors import DeviceError
-from hostcode.plan import default_plan
+from hostcode.program.plan import default_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from benchmarks.cells import Cell
     from benchmarks.report import Report
-    from hostcode.device import DeviceRecord, OpenDevice
+    from hostcode.device.device import DeviceRecord, OpenDevice
 
 WANTED_RATIO: Final = {"integrating-sphere": 3.5, "box-room": 4.0}
 """Times the scalar whole path that the default composition shall reach."""

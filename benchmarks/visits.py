@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hostcode.probe import probe_rays
+from hostcode.run.probe import probe_rays
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hostcode.device import OpenDevice
-    from photizon_cl.compile import CompiledScene
+    from hostcode.device.device import OpenDevice
+    from photizon_cl.compile.compiled import CompiledScene
 
 
 def visits(

@@ -9,7 +9,7 @@ from pathlib import Path
 os.environ.setdefault("MPLBACKEND", "agg")
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
-from photizon_cl import __version__  # the extension needs the package as well
+from photizon_cl.version import __version__  # the extension needs the package as well
 
 project = "photizon_cl"
 author = "photizon_cl contributors"

@@ -15,7 +15,7 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from hostcode.device import DeviceRecord, OpenDevice
+    from hostcode.device.device import DeviceRecord, OpenDevice
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -44,7 +44,7 @@ def _remove_cache() -> Iterator[None]:
 @pytest.fixture(scope="session")
 def device() -> OpenDevice:
     """Return the chosen device, open: that of PHOTIZON_DEVICE, or the best of this machine."""
-    from hostcode.device import choose, open_device
+    from hostcode.device.device import choose, open_device
 
     return open_device(choose())
 
@@ -52,7 +52,7 @@ def device() -> OpenDevice:
 @pytest.fixture(scope="session")
 def usable_devices() -> list[DeviceRecord]:
     """Return every device of this machine that qualifies and passes its self-test."""
-    from hostcode.device import enumerate_devices, qualify
+    from hostcode.device.device import enumerate_devices, qualify
 
     return [record for record in enumerate_devices() if not qualify(record, self_test=True)]
 
@@ -104,7 +104,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
     if item.get_closest_marker("gpu"):
-        from hostcode.device import enumerate_devices
+        from hostcode.device.device import enumerate_devices
 
         if not any(record.type == "gpu" for record in enumerate_devices()):
             pytest.skip("no GPU on this machine")

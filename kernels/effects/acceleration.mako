@@ -1,6 +1,6 @@
 ## tree_node, tree_width, tree_stack; packets; warm_nodes, warm_elements (packets > 1)
-// A tree of boxes over the elements, built on the host (photizon_cl/tree.py), eight children to a
-// node (photizon_cl/tree_nodes.py).  It stands in the geometry table behind the scene's size.  The
+// A tree of boxes over the elements, built on the host (photizon_cl/geometry/tree.py), eight children to a
+// node (photizon_cl/compile/tree_nodes.py).  It stands in the geometry table behind the scene's size.  The
 // boxes of a node stand on a grid of its own: its low corner, its steps, then in bytes the children's
 // low x, y, z and high x, y, z, eight each; at last eight links: an element's number, or ~node.
 //

@@ -1,4 +1,4 @@
-## selftest: known answers asked of a device before it is trusted (hostcode/selftest.py).
+## selftest: known answers asked of a device before it is trusted (hostcode/device/selftest.py).
 ## reads: lanes; prelude, lib/philox, lib/elementary and lib/limbs come before it.
 ## gives: one kernel per group of operations; arrays are operation-major, n elements each.
 <%

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from hostcode.device import OpenDevice
+    from hostcode.device.device import OpenDevice
     from photizon_cl.stability.report import Row
 
 __all__ = ["add_arguments", "main", "run", "stability_report"]
@@ -47,8 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
     RunError
         Where there is no usable device, or mpmath is not installed.
     """
-    from photizon_cl.distribution import open_chosen
     from photizon_cl.errors import ArgumentError
+    from photizon_cl.run.distribution import open_chosen
     from photizon_cl.stability.digits import load_mpmath
     from photizon_cl.stability.report import FAMILIES, table, write_figure
 

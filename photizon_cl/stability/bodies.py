@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.elements import (
+from photizon_cl.scene.elements import (
     BaffledTube,
     Biconvex,
     Cpc,
@@ -18,11 +18,11 @@ from photizon_cl.elements import (
     Rectangle,
     Sphere,
 )
-from photizon_cl.frames import frame
+from photizon_cl.scene.frames import frame
 from photizon_cl.stability.digits import Vector, add, dot, load_mpmath, norm, scaled
 
 if TYPE_CHECKING:
-    from photizon_cl.elements import Element
+    from photizon_cl.scene.elements import Element
 
 __all__ = ["Face", "Roots", "exact_frame", "faces_of", "sizes_of"]
 

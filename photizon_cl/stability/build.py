@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from photizon_cl.frames import frame
+from photizon_cl.scene.frames import frame
+from photizon_cl.scene.surfaces import Absorber
 from photizon_cl.stability.case import Case, Left, Triple
-from photizon_cl.surfaces import Absorber
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from photizon_cl.elements import Element
+    from photizon_cl.scene.elements import Element
 
 __all__ = [
     "SCALES",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from photizon_cl.elements import Element
+    from photizon_cl.scene.elements import Element
 
 Triple = tuple[float, float, float]
 

@@ -6,7 +6,7 @@ import math
 import random
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.elements import Disk, Rectangle, Sphere
+from photizon_cl.scene.elements import Disk, Rectangle, Sphere
 from photizon_cl.stability.build import (
     SCALES,
     TILT,

@@ -6,15 +6,15 @@ import math
 import random
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.elements import BaffledTube, Biconvex, Cpc, PlanoConvex
-from photizon_cl.elements.lens import centre_depth, sag
+from photizon_cl.scene.elements import BaffledTube, Biconvex, Cpc, PlanoConvex
+from photizon_cl.scene.elements.lens import centre_depth, sag
 from photizon_cl.stability.build import SCALES, TILT, aimed, black, turned
 from photizon_cl.stability.case import Case, Left
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from photizon_cl.elements import Element
+    from photizon_cl.scene.elements import Element
 
 __all__ = [
     "cpc_inside",

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.elements import Biconvex, Cpc, Disk, PlanoConvex, Rectangle, Sphere
-from photizon_cl.frames import AXES, frame
+from photizon_cl.scene.elements import Biconvex, Cpc, Disk, PlanoConvex, Rectangle, Sphere
+from photizon_cl.scene.frames import AXES, frame
+from photizon_cl.scene.surfaces import Absorber
 from photizon_cl.stability.build import SCALES, TILT, aimed, black, turned
 from photizon_cl.stability.case import Case, Left
-from photizon_cl.surfaces import Absorber
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-    from photizon_cl.elements import Element
-    from photizon_cl.surfaces import Surface
+    from photizon_cl.scene.elements import Element
+    from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["nearly_coincident", "room", "shared_edges", "shared_rims", "touching"]
 

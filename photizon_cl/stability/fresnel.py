@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.probe import follow_rays
-from photizon_cl.elements import Rectangle
+from hostcode.run.probe import follow_rays
+from photizon_cl.scene.elements import Rectangle
+from photizon_cl.scene.surfaces import Fresnel
 from photizon_cl.stability.digits import (
     DIGITS,
     UNIT,
@@ -23,12 +24,11 @@ from photizon_cl.stability.digits import (
 )
 from photizon_cl.stability.measure import Measured, compile_elements
 from photizon_cl.stability.oracle import FIRM
-from photizon_cl.surfaces import Fresnel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from hostcode.device import OpenDevice
+    from hostcode.device.device import OpenDevice
 
 __all__ = ["FresnelCase", "fresnel_cases", "measure_fresnel"]
 

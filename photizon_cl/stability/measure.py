@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hostcode.probe import LEFT_PLUS, NO_FACE, element_of, face_of, probe_faces
-from photizon_cl.compile import compile_scene
-from photizon_cl.packing import code_of
-from photizon_cl.scene import Scene
-from photizon_cl.settings import RunSettings
-from photizon_cl.sources import IsotropicPoint
+from hostcode.run.probe import LEFT_PLUS, NO_FACE, element_of, face_of, probe_faces
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.packing import code_of
+from photizon_cl.scene.model import Scene
+from photizon_cl.scene.settings import RunSettings
+from photizon_cl.scene.sources import IsotropicPoint
 from photizon_cl.stability.digits import DIGITS, UNIT, add, load_mpmath, norm, vector
 from photizon_cl.stability.oracle import FIRM, judge
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from hostcode.device import OpenDevice
-    from photizon_cl.compile import CompiledScene
-    from photizon_cl.elements import Element
+    from hostcode.device.device import OpenDevice
+    from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.scene.elements import Element
     from photizon_cl.stability.case import Case, Left
     from photizon_cl.stability.oracle import Candidate
 

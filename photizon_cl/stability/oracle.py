@@ -15,12 +15,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.elements import Biconvex, Cpc, PlanoConvex, Sphere
+from photizon_cl.scene.elements import Biconvex, Cpc, PlanoConvex, Sphere
 from photizon_cl.stability.bodies import Face, exact_frame, faces_of, sizes_of
 from photizon_cl.stability.digits import UNIT, Vector, add, dot, load_mpmath, norm, scaled, vector
 
 if TYPE_CHECKING:
-    from photizon_cl.elements import Element
+    from photizon_cl.scene.elements import Element
     from photizon_cl.stability.case import Case
 
 __all__ = ["FIRM", "Candidate", "Verdict", "judge"]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from os import PathLike
 
-    from hostcode.device import OpenDevice
+    from hostcode.device.device import OpenDevice
     from photizon_cl.stability.case import Case
 
 __all__ = ["BOUND", "FAMILIES", "Row", "stability_report", "table", "write_figure"]

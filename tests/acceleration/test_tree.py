@@ -11,15 +11,15 @@ import pytest
 import photizon_cl as pz
 from benchmarks.random_scenes import filled_scene, random_scene, tiled_scene
 from benchmarks.visits import visits
-from hostcode.device import preferred_lanes
-from hostcode.plan import default_plan
-from hostcode.program import TREE_STACK, TREE_WIDTH
-from hostcode.wavefront import Engine
-from photizon_cl.compile import compile_scene
-from photizon_cl.packing import code_of
-from photizon_cl.settings import RunSettings
-from photizon_cl.tree import BREAK_EVEN, build_tree, world_boxes
-from photizon_cl.tree_nodes import pack_nodes, unpack_nodes
+from hostcode.device.device import preferred_lanes
+from hostcode.program.plan import default_plan
+from hostcode.program.program import TREE_STACK, TREE_WIDTH
+from hostcode.run.wavefront import Engine
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.packing import code_of
+from photizon_cl.compile.tree_nodes import pack_nodes, unpack_nodes
+from photizon_cl.geometry.tree import BREAK_EVEN, build_tree, world_boxes
+from photizon_cl.scene.settings import RunSettings
 
 # fifty sizes from 10 to 10^4
 SIZES = [round(10 ** (1.0 + 3.0 * k / 49)) for k in range(50)]

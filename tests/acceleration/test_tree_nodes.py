@@ -9,13 +9,13 @@ import pytest
 
 import photizon_cl as pz
 from benchmarks.random_scenes import AXES, filled_scene, tiled_scene
-from hostcode import program, templates
-from hostcode.probe import probe_rays
-from hostcode.program import TREE_NODE, TREE_WIDTH
-from photizon_cl.compile import compile_scene
-from photizon_cl.settings import RunSettings
-from photizon_cl.tree import build_tree
-from photizon_cl.tree_nodes import pack_nodes, unpack_nodes
+from hostcode.program import program, templates
+from hostcode.program.program import TREE_NODE, TREE_WIDTH
+from hostcode.run.probe import probe_rays
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.tree_nodes import pack_nodes, unpack_nodes
+from photizon_cl.geometry.tree import build_tree
+from photizon_cl.scene.settings import RunSettings
 
 
 def boxes_of(kind, n=300):

@@ -8,7 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from photizon_cl.areas import bin_areas, disk_areas, rectangle_areas, sphere_areas
+from photizon_cl.geometry.areas import bin_areas, disk_areas, rectangle_areas, sphere_areas
 
 
 @pytest.mark.parametrize(

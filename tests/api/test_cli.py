@@ -11,8 +11,8 @@ import pytest
 from malformed import CASES, edited
 
 import photizon_cl as pz
-from photizon_cl.cli import main
-from photizon_cl.presets import presets
+from photizon_cl.cli.main import main
+from photizon_cl.scene.presets import presets
 
 RUN = ["run", "box-room", "--batches", "2", "--rays-per-batch", "1024"]
 
@@ -32,7 +32,7 @@ def run(capsys):
 
 def process(*arguments, **options):
     return subprocess.run(
-        [sys.executable, "-m", "photizon_cl.cli", *map(str, arguments)],
+        [sys.executable, "-m", "photizon_cl.cli.main", *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=120,
@@ -251,7 +251,7 @@ def test_help_and_version(run):
 
 
 def test_a_reader_that_had_enough():
-    command = f"'{sys.executable}' -m photizon_cl.cli presets | head -1"
+    command = f"'{sys.executable}' -m photizon_cl.cli.main presets | head -1"
     done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
     assert done.stdout.startswith("cosine-fourth")
     assert done.stderr == ""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from photizon_cl.cli import main
+from photizon_cl.cli.main import main
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 

@@ -9,11 +9,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hostcode.tally import canonical, exact, values
+from hostcode.run.tally import canonical, exact, values
+from photizon_cl.compile.layout import DetectorCells, TallyLayout
 from photizon_cl.errors import RunError
-from photizon_cl.layout import DetectorCells, TallyLayout
-from photizon_cl.statistics import Accumulator, complete, exact_sum
-from photizon_cl.stopping import LEAST_BATCHES, Goal, achieved_sigma
+from photizon_cl.result.statistics import Accumulator, complete, exact_sum
+from photizon_cl.result.stopping import LEAST_BATCHES, Goal, achieved_sigma
 
 UNIT = Fraction(1, 2**95)
 

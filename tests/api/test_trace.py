@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.distribution import run_task
-from photizon_cl.ledger import check_batch
-from photizon_cl.stopping import LEAST_BATCHES
+from photizon_cl.result.ledger import check_batch
+from photizon_cl.result.stopping import LEAST_BATCHES
+from photizon_cl.run.distribution import run_task
 
 QUICK = 2048
 

@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks import gpu, icd
 from benchmarks.gpu_checks import matrix_plans
-from hostcode.device import preferred_lanes
-from hostcode.plan import ExecutionPlan, default_plan
+from hostcode.device.device import preferred_lanes
+from hostcode.program.plan import ExecutionPlan, default_plan
 
 BARE = """
 import sys

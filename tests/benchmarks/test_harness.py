@@ -11,9 +11,9 @@ from benchmarks import __main__ as command
 from benchmarks import builds, cells, digests, facts, throughput
 from benchmarks.report import Report, Spread, table
 from benchmarks.runner import Runner, compiled_preset
-from hostcode.device import preferred_lanes
-from hostcode.plan import default_plan
-from photizon_cl.presets import preset_names
+from hostcode.device.device import preferred_lanes
+from hostcode.program.plan import default_plan
+from photizon_cl.scene.presets import preset_names
 
 TINY = throughput.Settings(
     scenes=("box-room",),

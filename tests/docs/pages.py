@@ -26,7 +26,7 @@ from sybil import Sybil
 from sybil.parsers.myst import CodeBlockParser
 
 import photizon_cl as pz
-from photizon_cl.cli import main
+from photizon_cl.cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
 CAPTION = re.compile(r"(?P<file>[\w./-]+\.\w+)(?P<added> \(added at the end\))?")
@@ -143,7 +143,7 @@ class Runner:
 
     def command(self, words):
         if self.apart:
-            return self.process("-m", "photizon_cl.cli", *words)
+            return self.process("-m", "photizon_cl.cli.main", *words)
         out, err = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             status = main(words)

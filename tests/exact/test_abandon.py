@@ -6,9 +6,9 @@ import pytest
 from oracles.engine import PLAN, open_device
 
 from hostcode.errors import Abandoned
-from hostcode.wavefront import Engine
-from photizon_cl.compile import compile_scene
-from photizon_cl.scene_io import load
+from hostcode.run.wavefront import Engine
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.scene.files import load
 
 
 @pytest.mark.parametrize("copies", [0, 2])

@@ -10,8 +10,8 @@ from oracles.engine import open_device, scene_of, trace
 from oracles.scenes import beam, matt
 
 import photizon_cl as pz
-from hostcode.probe import probe_rays
-from photizon_cl.compile import compile_scene
+from hostcode.run.probe import probe_rays
+from photizon_cl.compile.compiled import compile_scene
 
 BALL = {"kind": "sphere", "position": [0, 0, 0], "axis": "+z", "radius": 1.0, **matt(1.0)}
 ULP = 2.0**-53

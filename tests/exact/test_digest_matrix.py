@@ -38,12 +38,12 @@ import pytest
 from oracles.engine import Traced, compiled, open_device, scene_of, trace_compiled
 from oracles.scenes import everything
 
-from hostcode.plan import ExecutionPlan
-from photizon_cl.scene_io import load
+from hostcode.program.plan import ExecutionPlan
+from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:
-    from hostcode.device import OpenDevice
-    from photizon_cl.compile import CompiledScene
+    from hostcode.device.device import OpenDevice
+    from photizon_cl.compile.compiled import CompiledScene
 
 BASE = ExecutionPlan(lanes=4, items=8, wave_rays=1 << 16, refill=1, stack_rays=64)
 RAYS = 2048

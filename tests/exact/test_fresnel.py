@@ -13,7 +13,7 @@ from oracles.kernels import run_text
 from oracles.scenes import BLACK, beam, glass, wall
 
 if TYPE_CHECKING:
-    from hostcode.tables import DeviceTables
+    from hostcode.run.tables import DeviceTables
 
 KERNEL = """
 __kernel void test(__global const double *d, __global const double *n, __global const double *m,

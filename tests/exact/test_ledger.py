@@ -9,8 +9,8 @@ from oracles import gates
 from oracles.engine import PLAN, scene_of, trace
 from oracles.scenes import BLACK, beam, cube, everything, glass, matt, mirror, random_scene, wall
 
-from photizon_cl.presets import preset_names
-from photizon_cl.scene_io import load
+from photizon_cl.scene.files import load
+from photizon_cl.scene.presets import preset_names
 
 
 @pytest.mark.parametrize("name", preset_names())

@@ -11,9 +11,9 @@ import pytest
 from oracles import numbers
 from oracles.kernels import LIBRARIES, run_text
 
-from hostcode.plan import LANE_WIDTHS
-from hostcode.tally import canonical, exact, image, values
-from photizon_cl.edges import azimuth_edges
+from hostcode.program.plan import LANE_WIDTHS
+from hostcode.run.tally import canonical, exact, image, values
+from photizon_cl.scene.edges import azimuth_edges
 
 SINCOS = """
 __kernel void test(__global const double *x, __global double *s, __global double *c) {

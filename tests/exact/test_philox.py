@@ -9,7 +9,7 @@ import pytest
 from oracles import gates, philox
 from oracles.kernels import run_text
 
-from hostcode.plan import LANE_WIDTHS
+from hostcode.program.plan import LANE_WIDTHS
 
 BLOCKS = """
 __kernel void test(__global const uint *c, __global const uint *k, __global uint *out, uint n) {

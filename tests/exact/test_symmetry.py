@@ -11,7 +11,7 @@ from oracles import scenes, tracer
 from oracles.engine import scene_of, trace
 from oracles.scenes import AXES, BLACK, beam, cube, matt, wall
 
-from photizon_cl.scene_io import load
+from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable

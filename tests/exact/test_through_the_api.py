@@ -7,7 +7,7 @@ import pytest
 from oracles.engine import PLAN, compiled, probe, trace
 
 import photizon_cl as pz
-from photizon_cl.statistics import Accumulator, complete
+from photizon_cl.result.statistics import Accumulator, complete
 
 PLANS = {
     "narrow waves": PLAN.with_(wave_rays=1 << 10),

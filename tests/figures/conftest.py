@@ -16,7 +16,7 @@ def result():
     """Return a result with a map of 9 × 7 bins, a ladder, a disk's map, and a far field."""
     from made_up import make, rectangle, some_lit, tables
 
-    from photizon_cl.stopping import Goal
+    from photizon_cl.result.stopping import Goal
 
     scene = tables(
         rectangle(name="target", half_height=0.5, detector={"map": [9, 7], "generations": 1}),

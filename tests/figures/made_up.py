@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from photizon_cl.compile import compile_scene
-from photizon_cl.result import Result, RunInfo
-from photizon_cl.scene_io import load
-from photizon_cl.statistics import Accumulator, complete
-from photizon_cl.stopping import Goal
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.result.result import Result, RunInfo
+from photizon_cl.result.statistics import Accumulator, complete
+from photizon_cl.result.stopping import Goal
+from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,11 +10,11 @@ from made_up import make, poisson, rectangle, some_lit, tables
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 
-import photizon_cl.figures.bins as module
+import photizon_cl.views.figures.bins as module
 from photizon_cl.errors import ArgumentError
-from photizon_cl.figures import draw_far_field, draw_irradiance, draw_relative_sigma
-from photizon_cl.figures.bins import GREY, HATCHED, hatch_lines
-from photizon_cl.figures.style import write
+from photizon_cl.views.figures import draw_far_field, draw_irradiance, draw_relative_sigma
+from photizon_cl.views.figures.bins import GREY, HATCHED, hatch_lines
+from photizon_cl.views.figures.style import write
 
 
 def labelled(figure, label):

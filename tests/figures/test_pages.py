@@ -11,10 +11,10 @@ import pytest
 from made_up import make, poisson, rectangle, tables
 from matplotlib.text import Text
 
-from photizon_cl.cli_run import print_result
-from photizon_cl.cli_show import console
+from photizon_cl.cli.run import print_result
+from photizon_cl.cli.show import console
 from photizon_cl.errors import ArgumentError
-from photizon_cl.figures import (
+from photizon_cl.views.figures import (
     FIGURES,
     draw_all,
     draw_irradiance,
@@ -22,7 +22,7 @@ from photizon_cl.figures import (
     figure_names,
     write_all,
 )
-from photizon_cl.figures.words import fitted, inches, prefixed
+from photizon_cl.views.figures.words import fitted, inches, prefixed
 
 HISTORY = ((2, 0.1, 0.3), (4, 0.2, 0.2))
 LONG = "A title $x^2$ \\ that is much longer than a page is wide, " * 6

@@ -9,13 +9,13 @@ import pytest
 from made_up import make, poisson, rectangle, some_lit, tables
 
 from photizon_cl.errors import ArgumentError
-from photizon_cl.figures import (
+from photizon_cl.result.stopping import Goal
+from photizon_cl.views.figures import (
     draw_convergence,
     draw_far_field_cuts,
     draw_ladder,
     draw_ledger,
 )
-from photizon_cl.stopping import Goal
 
 
 def errors(axes, across):

@@ -24,15 +24,15 @@ from oracles.corners import (
 )
 from oracles.engine import PLAN, open_device, trace_compiled
 
-from hostcode.probe import LEFT_PLUS, element_of, follow_rays, probe_faces
-from photizon_cl.compile import compile_scene
-from photizon_cl.elements import Disk, Rectangle, Sphere
-from photizon_cl.frames import frame
-from photizon_cl.scene import Scene
-from photizon_cl.sources import CollimatedDisk
+from hostcode.run.probe import LEFT_PLUS, element_of, follow_rays, probe_faces
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.scene.elements import Disk, Rectangle, Sphere
+from photizon_cl.scene.frames import frame
+from photizon_cl.scene.model import Scene
+from photizon_cl.scene.sources import CollimatedDisk
+from photizon_cl.scene.surfaces import Lambertian, Mirror
 from photizon_cl.stability.families_mixed import room
 from photizon_cl.stability.measure import compile_elements
-from photizon_cl.surfaces import Lambertian, Mirror
 
 SILVER, WHITE = Mirror(1.0), Lambertian(1.0)
 SURFACES = pytest.mark.parametrize("surface", [SILVER, WHITE], ids=["mirrors", "matt"])
@@ -83,7 +83,7 @@ def test_a_wedge_leaks_where_its_edges_do_not_know_their_angle(
 ) -> None:
     """The test above can fail."""
     monkeypatch.setattr(
-        "photizon_cl.compile.edge_factors", lambda near: np.ones((len(near.elements), 4))
+        "photizon_cl.compile.compiled.edge_factors", lambda near: np.ones((len(near.elements), 4))
     )
     lost = 0
     for number, (scale, away) in enumerate(PLACES * 4):

@@ -11,7 +11,7 @@ from oracles import gates
 from oracles.curved import leaks_of, rays_in
 from oracles.regions import REGIONS, made
 
-from photizon_cl.surfaces import Fresnel, Lambertian, Mirror
+from photizon_cl.scene.surfaces import Fresnel, Lambertian, Mirror
 
 if TYPE_CHECKING:
     from oracles.curved import Region

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from oracles.engine import open_device
 
-from hostcode.probe import probe_faces
+from hostcode.run.probe import probe_faces
 from photizon_cl import stability
 from photizon_cl.stability.measure import compile_elements, state_of
 from photizon_cl.stability.report import BOUND, FAMILIES, Row, stability_report, table, write_figure
 
 if TYPE_CHECKING:
-    from photizon_cl.elements import Element
+    from photizon_cl.scene.elements import Element
     from photizon_cl.stability.case import Case
 
 

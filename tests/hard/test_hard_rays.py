@@ -19,7 +19,7 @@ from oracles.engine import probe, scene_of
 from oracles.scenes import BLACK, beam
 
 if TYPE_CHECKING:
-    from photizon_cl.scene import Scene
+    from photizon_cl.scene.model import Scene
 
 U = 2.0**-53
 BOUND = 8.0

@@ -12,13 +12,13 @@ from oracles.engine import PLAN, trace
 from oracles.walks import LENSES, PLACES, SILVER, TILT, WHITE, U, follow, unit
 
 from benchmarks.leaks import closed_bodies
-from hostcode.probe import NO_FACE
-from photizon_cl.elements import BaffledTube, Biconvex
-from photizon_cl.frames import frame
+from hostcode.run.probe import NO_FACE
+from photizon_cl.scene.elements import BaffledTube, Biconvex
+from photizon_cl.scene.frames import frame
 from photizon_cl.stability.families_mixed import room
 
 if TYPE_CHECKING:
-    from photizon_cl.surfaces import Surface
+    from photizon_cl.scene.surfaces import Surface
 
 
 CAP = 2000

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from oracles.walks import LENSES, PLACES, SILVER, U, follow, unit
 
-from photizon_cl.elements import BaffledTube, Biconvex, Cpc, Disk, PlanoConvex, Sphere
+from photizon_cl.scene.elements import BaffledTube, Biconvex, Cpc, Disk, PlanoConvex, Sphere
+from photizon_cl.scene.surfaces import Fresnel
 from photizon_cl.stability.families_mixed import room
-from photizon_cl.surfaces import Fresnel
 
 if TYPE_CHECKING:
-    from hostcode.probe import Followed
-    from photizon_cl.elements import Element
+    from hostcode.run.probe import Followed
+    from photizon_cl.scene.elements import Element
 
 
 def local(element: Element, found: Followed) -> tuple[np.ndarray, np.ndarray]:

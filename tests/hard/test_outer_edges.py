@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from oracles.corners import box, entered, named, prism, rays_from_outside
 
-from photizon_cl.compile import compile_scene
-from photizon_cl.elements import BaffledTube, Rectangle, Sphere
-from photizon_cl.frames import frame
-from photizon_cl.scene import Scene
-from photizon_cl.settings import RunSettings
-from photizon_cl.sources import IsotropicPoint
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.scene.elements import BaffledTube, Rectangle, Sphere
+from photizon_cl.scene.frames import frame
+from photizon_cl.scene.model import Scene
+from photizon_cl.scene.settings import RunSettings
+from photizon_cl.scene.sources import IsotropicPoint
+from photizon_cl.scene.surfaces import Absorber, Lambertian, Mirror
 from photizon_cl.stability.families_mixed import room
-from photizon_cl.surfaces import Absorber, Lambertian, Mirror
 
 if TYPE_CHECKING:
     from oracles.corners import Chamber

@@ -13,7 +13,7 @@ import pytest
 from oracles import chance, gates, kernels
 from oracles.scenes import matt
 
-from hostcode import program, templates
+from hostcode.program import program, templates
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from oracles.corners import across, box, named
-from photizon_cl.elements import Sphere
-from photizon_cl.frames import frame
+from photizon_cl.scene.elements import Sphere
+from photizon_cl.scene.frames import frame
+from photizon_cl.scene.surfaces import Absorber
 from photizon_cl.stability.families_mixed import room
-from photizon_cl.surfaces import Absorber
 
 if TYPE_CHECKING:
     from oracles.corners import Chamber

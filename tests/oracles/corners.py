@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hostcode.probe import follow_rays
+from hostcode.run.probe import follow_rays
 from oracles.engine import open_device
-from photizon_cl.elements import Rectangle
-from photizon_cl.frames import AXES, frame
+from photizon_cl.scene.elements import Rectangle
+from photizon_cl.scene.frames import AXES, frame
 from photizon_cl.stability.families_mixed import room
 from photizon_cl.stability.measure import compile_elements
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from photizon_cl.elements import Element
-    from photizon_cl.surfaces import Surface
+    from photizon_cl.scene.elements import Element
+    from photizon_cl.scene.surfaces import Surface
 
 U = 2.0**-53
 ROUNDING = 128.0

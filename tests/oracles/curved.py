@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from oracles.corners import ROUNDING, Exact, U, follow
-from photizon_cl.elements import (
+from photizon_cl.scene.elements import (
     BaffledTube,
     Biconvex,
     Cpc,
@@ -18,13 +18,13 @@ from photizon_cl.elements import (
     Rectangle,
     Sphere,
 )
-from photizon_cl.frames import frame
+from photizon_cl.scene.frames import frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from photizon_cl.elements import Element
-    from photizon_cl.surfaces import Surface
+    from photizon_cl.scene.elements import Element
+    from photizon_cl.scene.surfaces import Surface
 
     Curve = Callable[[np.ndarray], np.ndarray]
     Height = Callable[[np.ndarray], np.ndarray]

@@ -11,22 +11,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from hostcode import device as devices
-from hostcode.plan import ExecutionPlan
-from hostcode.probe import probe_rays
-from hostcode.tally import canonical, exact
-from hostcode.wavefront import Engine
-from photizon_cl.compile import CompiledScene, compile_scene
-from photizon_cl.scene_io import load
-from photizon_cl.statistics import complete
+from hostcode.device import device as devices
+from hostcode.program.plan import ExecutionPlan
+from hostcode.run.probe import probe_rays
+from hostcode.run.tally import canonical, exact
+from hostcode.run.wavefront import Engine
+from photizon_cl.compile.compiled import CompiledScene, compile_scene
+from photizon_cl.result.statistics import complete
+from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from hostcode.device import OpenDevice
-    from photizon_cl.scene import Scene
+    from hostcode.device.device import OpenDevice
+    from photizon_cl.scene.model import Scene
 
 PLAN = ExecutionPlan(lanes=4, items=8, wave_rays=1 << 16, refill=1, stack_rays=64)
 """How tests run unless they say otherwise: narrow lanes build fastest."""

@@ -18,9 +18,9 @@ from oracles import compare, corners, curved, philox, regions, scenes
 from oracles.engine import PLAN, compiled, probe, scene_of, trace, trace_compiled
 from oracles.kernels import run_text
 from oracles.scenes import BLACK, beam, cube, glass, matt, mirror, wall
-from photizon_cl.compile import compile_scene
-from photizon_cl.scene_io import load
-from photizon_cl.surfaces import Mirror
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.scene.files import load
+from photizon_cl.scene.surfaces import Mirror
 
 if TYPE_CHECKING:
     from oracles.engine import Traced

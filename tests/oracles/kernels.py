@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hostcode.program import OPTIONS, program_source
-from hostcode.templates import lane, render
+from hostcode.program.program import OPTIONS, program_source
+from hostcode.program.templates import lane, render
 from oracles.engine import open_device
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hostcode.device import OpenDevice
-    from hostcode.program import ProgramSpec
+    from hostcode.device.device import OpenDevice
+    from hostcode.program.program import ProgramSpec
 
 LIBRARIES = ("prelude", "lib/philox", "lib/elementary", "lib/vectors", "lib/limbs")
 

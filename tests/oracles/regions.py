@@ -12,7 +12,7 @@ from oracles.curved import Region, arc, circle, segment
 
 if TYPE_CHECKING:
     from oracles.curved import Curve
-    from photizon_cl.surfaces import Surface
+    from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["REGIONS", "made"]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from hostcode.tally import values
-from photizon_cl.statistics import complete
+from hostcode.run.tally import values
+from photizon_cl.result.statistics import complete
 
 if TYPE_CHECKING:
     from collections.abc import Callable

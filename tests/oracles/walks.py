@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hostcode.probe import follow_rays
+from hostcode.run.probe import follow_rays
 from oracles.engine import open_device
+from photizon_cl.scene.surfaces import Lambertian, Mirror
 from photizon_cl.stability.measure import compile_elements
-from photizon_cl.surfaces import Lambertian, Mirror
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from hostcode.probe import Followed
-    from photizon_cl.elements import Element
+    from hostcode.run.probe import Followed
+    from photizon_cl.scene.elements import Element
 
 U = 2.0**-53
 TILT = (33.3, -71.7)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import photizon_cl as pz
-from hostcode.device import choose, open_device
-from hostcode.paths import trace_paths
-from hostcode.plan import ExecutionPlan
-from hostcode.wavefront import Engine
-from photizon_cl.compile import compile_scene
-from photizon_cl.pathing import ENDINGS
+from hostcode.device.device import choose, open_device
+from hostcode.program.plan import ExecutionPlan
+from hostcode.run.paths import trace_paths
+from hostcode.run.wavefront import Engine
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.run.pathing import ENDINGS
 
 RAYS = 40
 GOES_ON, ABSORBED, ESCAPED, CAPPED, KILLED, NOT_FOLLOWED = range(len(ENDINGS))

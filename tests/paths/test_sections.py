@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.sections import cut, edges, facets
+from photizon_cl.geometry.outlines import cut, edges, facets
 
 BLACK = pz.Absorber()
 TILTS = [(0.0, 0.0), (25.0, -40.0), (90.0, 0.0)]

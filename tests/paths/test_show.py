@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.cli import main
-from photizon_cl.scene_plot import draw_scene
-from photizon_cl.scene_view import bounding_box, shown_rays
+from photizon_cl.cli.main import main
+from photizon_cl.views.drawing.plot import draw_scene
+from photizon_cl.views.drawing.view import bounding_box, shown_rays
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from hostcode import capability, pocl_environment, selftest
-from hostcode import device as dev
-from hostcode.device import DeviceRecord
+from hostcode.device import capability, pocl_environment, selftest
+from hostcode.device import device as dev
+from hostcode.device.device import DeviceRecord
 from hostcode.errors import DeviceError
 
 ALL_FP64 = ("denorm", "fma", "inf_nan", "round_to_inf", "round_to_nearest", "round_to_zero")
@@ -245,7 +245,7 @@ def test_no_platform_at_all_is_an_empty_survey(run_python, tmp_path):
     empty = tmp_path / "none.icd"
     empty.write_text("")
     code = """
-from hostcode.device import choose, survey
+from hostcode.device.device import choose, survey
 from hostcode.errors import DeviceError
 assert survey().records == ()
 try:
@@ -261,14 +261,14 @@ except DeviceError as error:
 def test_importing_and_surveying_creates_no_context(run_python):
     code = """
 import sys
-import hostcode.device
+import hostcode.device.device
 assert "pyopencl" not in sys.modules
 import pyopencl
 def refuse(*args, **kwargs):
     raise AssertionError("a context was created")
 pyopencl.Context = refuse
-hostcode.device.survey()
-hostcode.device.enumerate_devices()
+hostcode.device.device.survey()
+hostcode.device.device.enumerate_devices()
 """
     run_python(code)
 

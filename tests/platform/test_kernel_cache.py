@@ -9,8 +9,8 @@ import tempfile
 
 import pytest
 
+from hostcode.device.kernel_cache import provide_cache
 from hostcode.errors import CacheWarning
-from hostcode.kernel_cache import provide_cache
 
 NAMES = ("HOME", "XDG_CACHE_HOME", "POCL_CACHE_DIR")
 
@@ -35,7 +35,7 @@ def file(tmp_path):
 def test_a_home_that_cannot_be_written(file, tmp_path):
     environment = {**os.environ, "HOME": file, "XDG_CACHE_HOME": "", "TMPDIR": str(tmp_path)}
     del environment["POCL_CACHE_DIR"]
-    command = [sys.executable, "-m", "photizon_cl.cli", "run", "box-room", "--batches", "1"]
+    command = [sys.executable, "-m", "photizon_cl.cli.main", "run", "box-room", "--batches", "1"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "absorbed by floor" in done.stdout

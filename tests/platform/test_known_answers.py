@@ -7,7 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from hostcode import known_answers as known
+from hostcode.device import known_answers as known
 
 N = 768
 

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from hostcode import device as dev
-from hostcode import pocl_mend, selftest
-from hostcode.pocl_environment import (
+from hostcode.device import device as dev
+from hostcode.device import pocl_mend, selftest
+from hostcode.device.pocl_environment import (
     only_platform_environment,
     pocl_icd_files,
     pocl_thread_environment,
 )
 
 SURVEY = """
-from hostcode.device import survey, qualify
+from hostcode.device.device import survey, qualify
 for record in survey().records:
     print(record.origin, record.compute_units, qualify(record, self_test=True))
 """

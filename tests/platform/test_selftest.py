@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from hostcode import selftest
-from hostcode.device import open_device
+from hostcode.device import selftest
+from hostcode.device.device import open_device
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.presets import preset_names, presets
+from photizon_cl.scene.presets import preset_names, presets
 
 NEW = ("cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe")
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.cli import main
+from photizon_cl.cli.main import main
 
 
 @pytest.fixture
@@ -119,7 +119,7 @@ def test_a_page_that_cannot_be_written_leaves_no_trace(saved, capsys, monkeypatc
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("photizon_cl.report.writing.os.replace", full)
+    monkeypatch.setattr("photizon_cl.views.report.writing.os.replace", full)
     (saved / "figures").mkdir()
     before = listing(saved)
     err = refused(capsys, saved)
@@ -162,7 +162,7 @@ def test_the_ledger_as_a_data_frame(results):
 
 
 def test_rows_are_named_as_in_the_file(results):
-    from photizon_cl.result_arrays import dataset
+    from photizon_cl.result.arrays import dataset
 
     named = dataset(results["room"])["ledger.row"].values
     assert list(results["room"].to_dataframe()["row"]) == list(named)

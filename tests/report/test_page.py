@@ -7,9 +7,9 @@ from html.parser import HTMLParser
 
 import pytest
 
-from photizon_cl.effects import EFFECTS
-from photizon_cl.figures_text import with_error
-from photizon_cl.report import figures, page
+from photizon_cl.compile.effects import EFFECTS
+from photizon_cl.views.report import figures, page
+from photizon_cl.views.text import with_error
 
 NAMES = ("room", "sphere", "hostile", "capped", "single", "empty")
 
@@ -138,7 +138,7 @@ def test_every_figure_is_there_with_words_of_its_own(read, results):
 
 
 def test_words_for_a_kind_of_figure_that_is_new(results):
-    from photizon_cl.report.words import describe
+    from photizon_cl.views.report.words import describe
 
     alt, caption = describe(results["room"], "new-kind", "")
     assert "new kind" in alt
@@ -218,7 +218,7 @@ def test_the_largest_map_fits(tmp_path):
     from report_scenes import plate, scene
 
     import photizon_cl as pz
-    from photizon_cl.report import write_report
+    from photizon_cl.views.report import write_report
 
     big = scene("big", element=[plate("t", detector={"map": [2048, 2048]})])
     result = pz.trace(pz.load(big), batches=6, rays_per_batch=2**22)
@@ -227,7 +227,7 @@ def test_the_largest_map_fits(tmp_path):
 
 
 def test_long_tables_are_cut_and_say_so(results):
-    from photizon_cl.report import tables
+    from photizon_cl.views.report import tables
 
     result = results["room"]
     cut = tables.ledger_table(result, most=2)

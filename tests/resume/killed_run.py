@@ -15,8 +15,11 @@ import pyopencl  # noqa: F401  (imported, and not asked for anything: it would n
 import xarray  # noqa: F401
 
 import photizon_cl as pz
-from hostcode.plan import ExecutionPlan
-from photizon_cl import checkpoint, result_directory, simulation  # noqa: F401
+from hostcode.program.plan import ExecutionPlan
+from photizon_cl.run import (
+    checkpoint,
+    simulation,  # noqa: F401
+)
 
 
 def run(folder: str, batches: int, verb: str) -> None:

@@ -10,8 +10,8 @@ from dataclasses import replace
 import pytest
 
 import photizon_cl as pz
-from photizon_cl import engine as module
-from photizon_cl.cli import main
+from photizon_cl.cli.main import main
+from photizon_cl.result import engine as module
 
 RUN = {"batches": 3, "rays_per_batch": 1024, "seed": 7}
 
@@ -154,11 +154,11 @@ def test_nothing_of_a_token_reaches_the_terminal_raw(sphere):
 def test_batches_of_two_engines_are_not_mixed(sphere, tmp_path, monkeypatch):
     sphere.save(tmp_path, figures=False)
     old = sphere.info.engine
-    monkeypatch.setattr("photizon_cl.simulation.engine_digest", lambda: "0123456789abcdef")
+    monkeypatch.setattr("photizon_cl.run.simulation.engine_digest", lambda: "0123456789abcdef")
     with pytest.raises(pz.ResultError, match="are not mixed"):
         pz.resume(tmp_path, batches=5)
     # the recipe of a result names the engine that made it, whichever is installed
-    monkeypatch.setattr("photizon_cl.recipe.engine_digest", lambda: "0123456789abcdef")
+    monkeypatch.setattr("photizon_cl.result.recipe.engine_digest", lambda: "0123456789abcdef")
     assert pz.Recipe.of(pz.open_result(tmp_path)).engine == old
 
 

@@ -6,7 +6,7 @@ import random
 import mpmath
 import pytest
 
-from photizon_cl.frames import AXES, axis_index, frame, sincos_deg, to_local
+from photizon_cl.scene.frames import AXES, axis_index, frame, sincos_deg, to_local
 
 TABLE = {
     "+x": ("+y", "+z"),

@@ -10,7 +10,7 @@ import tomli_w
 from malformed import CASES, GOOD, edited
 
 from photizon_cl.errors import Problem, SceneError
-from photizon_cl.scene_io import load
+from photizon_cl.scene.files import load
 
 IDS = [name for name, _, _ in CASES]
 

@@ -7,12 +7,12 @@ import math
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.described import parameters_of
-from photizon_cl.effects import EFFECTS
-from photizon_cl.frames import frame
-from photizon_cl.presets import preset, preset_names, preset_path, presets
-from photizon_cl.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
-from photizon_cl.scene_io import load
+from photizon_cl.compile.effects import EFFECTS
+from photizon_cl.scene.described import parameters_of
+from photizon_cl.scene.files import load
+from photizon_cl.scene.frames import frame
+from photizon_cl.scene.presets import preset, preset_names, preset_path, presets
+from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
 
 TABLES = {"element": ELEMENTS, "surface": SURFACES, "source": SOURCES, "detector": DETECTORS}
 ROWS = [(label, kind, cls) for label, table in TABLES.items() for kind, cls in table.items()]

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from photizon_cl.contact import in_contact, note_size
-from photizon_cl.elements import BaffledTube, Disk, Rectangle, Sphere
-from photizon_cl.neighbours import Neighbours
+from photizon_cl.geometry.contact import in_contact, note_size
+from photizon_cl.geometry.neighbours import Neighbours
+from photizon_cl.geometry.wedges import edge_factors as factors_of
+from photizon_cl.scene.elements import BaffledTube, Disk, Rectangle, Sphere
+from photizon_cl.scene.surfaces import Mirror
 from photizon_cl.stability.families_mixed import room
-from photizon_cl.surfaces import Mirror
-from photizon_cl.wedges import edge_factors as factors_of
 
 SILVER = Mirror(1.0)
 
@@ -117,7 +117,7 @@ def test_neighbours_by_tree_are_those_by_comparison(monkeypatch: pytest.MonkeyPa
         return np.concatenate([np.transpose(part) for part in Neighbours(balls).pairs()])
 
     dense = pairs()
-    monkeypatch.setattr("photizon_cl.neighbours._DENSE", 0)
+    monkeypatch.setattr("photizon_cl.geometry.neighbours._DENSE", 0)
     assert len(dense) > 1000
     assert (pairs() == dense).all()
 

@@ -8,7 +8,7 @@ from oracles.engine import trace
 from oracles.statistics import batch_values
 
 import photizon_cl as pz
-from hostcode.plan import ExecutionPlan
+from hostcode.program.plan import ExecutionPlan
 
 pytestmark = pytest.mark.statistical
 

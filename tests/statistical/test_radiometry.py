@@ -16,7 +16,7 @@ from oracles.scenes import BLACK, beam
 from oracles.statistics import batch_mean, batch_values, sidak, z_limit
 from scipy import stats
 
-from photizon_cl.scene_io import load
+from photizon_cl.scene.files import load
 
 pytestmark = pytest.mark.statistical
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from photizon_cl.cli import _parser
+from photizon_cl.cli.main import _parser
 from photizon_docs.tables import table
 
 __all__ = ["command_line"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from photizon_cl.described import Described, parameters_of
-from photizon_cl.scene import SCHEMA, Scene
+from photizon_cl.scene.described import Described, parameters_of
+from photizon_cl.scene.model import SCHEMA, Scene
 
 __all__ = ["as_python", "as_toml", "default_of"]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.described import is_required, parameters_of
-from photizon_cl.parameters import BAD, Choice, Parameter
-from photizon_cl.scene_io import load
+from photizon_cl.scene.described import is_required, parameters_of
+from photizon_cl.scene.files import load
+from photizon_cl.scene.parameters import BAD, Choice, Parameter
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from photizon_cl.described import Described
-    from photizon_cl.scene import Scene
+    from photizon_cl.scene.described import Described
+    from photizon_cl.scene.model import Scene
 
 __all__ = ["example", "guess"]
 

@@ -8,11 +8,11 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from photizon_cl.cli import main
+from photizon_cl.cli.main import main
 from photizon_docs.emit import as_toml
 
 if TYPE_CHECKING:
-    from photizon_cl.scene import Scene
+    from photizon_cl.scene.model import Scene
 
 __all__ = ["draw"]
 

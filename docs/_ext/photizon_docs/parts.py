@@ -11,17 +11,17 @@ from inspect import cleandoc
 from typing import TYPE_CHECKING, Any
 
 from hostcode.assets import kernels_dir
-from photizon_cl.described import parameters_of
-from photizon_cl.detectors import Detector
-from photizon_cl.elements import Element
 from photizon_cl.errors import SceneError
+from photizon_cl.scene.described import parameters_of
+from photizon_cl.scene.detectors import Detector
+from photizon_cl.scene.elements import Element
 from photizon_docs.emit import as_python, as_toml
 from photizon_docs.examples import example, guess
 from photizon_docs.tables import GROUPS, link, parameter_table, table
 
 if TYPE_CHECKING:
-    from photizon_cl.described import Described
-    from photizon_cl.scene import Scene
+    from photizon_cl.scene.described import Described
+    from photizon_cl.scene.model import Scene
 
 __all__ = ["escape_bars", "group_index", "page"]
 

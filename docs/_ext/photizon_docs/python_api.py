@@ -5,22 +5,22 @@ from __future__ import annotations
 import inspect
 
 import photizon_cl as pz
-from photizon_cl.described import Described
+from photizon_cl.scene.described import Described
 
 __all__ = ["python_api"]
 
 _BESIDES = (
-    ("photizon_cl.maps", "DetectorResult"),
-    ("photizon_cl.maps", "IrradianceMap"),
-    ("photizon_cl.maps", "Rung"),
-    ("photizon_cl.maps", "FarFieldResult"),
-    ("photizon_cl.ledger", "Ledger"),
-    ("photizon_cl.ledger", "Estimate"),
-    ("photizon_cl.ledger", "Roulette"),
-    ("photizon_cl.result", "RunInfo"),
-    ("photizon_cl.progress", "Progress"),
-    ("photizon_cl.probing", "ProbeResult"),
-    ("photizon_cl.pathing", "Polyline"),
+    ("photizon_cl.result.maps", "DetectorResult"),
+    ("photizon_cl.result.maps", "IrradianceMap"),
+    ("photizon_cl.result.maps", "Rung"),
+    ("photizon_cl.result.maps", "FarFieldResult"),
+    ("photizon_cl.result.ledger", "Ledger"),
+    ("photizon_cl.result.ledger", "Estimate"),
+    ("photizon_cl.result.ledger", "Roulette"),
+    ("photizon_cl.result.result", "RunInfo"),
+    ("photizon_cl.run.progress", "Progress"),
+    ("photizon_cl.run.probing", "ProbeResult"),
+    ("photizon_cl.run.pathing", "Polyline"),
     ("photizon_cl.errors", "Problem"),
 )
 """Classes that are not public by name but are what public calls give."""

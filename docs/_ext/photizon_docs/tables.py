@@ -6,23 +6,23 @@ import dataclasses
 import re
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.described import Nested, NestedList, parameters_of
-from photizon_cl.effects import EFFECTS
-from photizon_cl.elements import Element
+from photizon_cl.compile.effects import EFFECTS
 from photizon_cl.errors import show
-from photizon_cl.frames import AXES, frame
-from photizon_cl.presets import presets
-from photizon_cl.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
-from photizon_cl.scene import Scene
-from photizon_cl.settings import FarField, RunSettings
-from photizon_cl.sources import DirectedSource
+from photizon_cl.scene.described import Nested, NestedList, parameters_of
+from photizon_cl.scene.elements import Element
+from photizon_cl.scene.frames import AXES, frame
+from photizon_cl.scene.model import Scene
+from photizon_cl.scene.presets import presets
+from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
+from photizon_cl.scene.settings import FarField, RunSettings
+from photizon_cl.scene.sources import DirectedSource
 from photizon_docs.emit import default_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from photizon_cl.described import Described
-    from photizon_cl.parameters import Parameter
+    from photizon_cl.scene.described import Described
+    from photizon_cl.scene.parameters import Parameter
 
 __all__ = ["FRAGMENTS", "GROUPS", "link", "parameter_table", "table"]
 

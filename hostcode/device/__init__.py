@@ -1,0 +1,1 @@
+"""Which devices there are, which qualify, and opening one."""

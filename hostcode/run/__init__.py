@@ -1,0 +1,1 @@
+"""A scene on a device: queue, waves, tallies, probes, paths."""

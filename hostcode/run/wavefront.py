@@ -1,0 +1,394 @@
+"""Waves of rays on a device, until every ray they started has ended.
+
+A batch's tally is a pure function of the scene, the seed and the batch's number. Nothing of how it
+is computed reaches it: composition, lanes, wave size, work-items, work-groups or threads.
+
+Several batches may be in flight, each in a *slot* of its own. A wave launches a range of their
+rays, shares it among the work-items and drains them all; then the slots' tallies are read.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from hostcode.errors import Abandoned
+from hostcode.program.program import Program, build
+from hostcode.program.structs import ITEM, LAUNCH, STATUS, numpy_dtype
+from hostcode.run.queue import Queue
+from hostcode.run.tally import CELL, canonical
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    import pyopencl as cl
+    from numpy.typing import NDArray
+
+    from hostcode.device.device import OpenDevice
+    from hostcode.program.plan import ExecutionPlan
+    from hostcode.run.tables import DeviceTables
+
+__all__ = ["BatchTally", "Engine", "EngineStatistics"]
+
+_STAGES: Final = {
+    "packets": ("wave",),
+    "classical": ("classical",),
+    "whole-path": ("whole_path",),
+}
+_EVENTS_BEFORE_FLUSH: Final = 1 << 30
+"""Interactions after which the limbs are read: 2^31 pieces of 2^32 fill a 64-bit sum. Escapes
+are not counted: there is at most one for each interaction or launched ray, and a batch has at most
+2^24 of those."""
+_TALLY_BYTES: Final = 256 << 20
+"""Device memory that the slots' tallies may take."""
+_COPIES_BYTES: Final = 64 << 20
+"""Device memory that the tally stage's own copies may take."""
+
+
+@dataclass(frozen=True, eq=False)
+class BatchTally:
+    """The exact tally of one batch.
+
+    Parameters
+    ----------
+    batch : int
+        Its number in the stream.
+    cells : ndarray, shape (n_cells, 4), int64
+        Canonical limbs and counts, see `hostcode.run.tally`.
+    """
+
+    batch: int
+    cells: NDArray[np.int64]
+
+
+@dataclass
+class EngineStatistics:
+    """What an engine did: interactions, launches, seconds on the host's clock."""
+
+    interactions: int = 0
+    launches: int = 0
+    waves: int = 0
+    seconds: float = 0.0
+    enqueue_seconds: float = 0.0
+
+
+class Engine:
+    """Traces batches of one scene on one device.
+
+    Parameters
+    ----------
+    device : OpenDevice
+        Where.
+    tables : DeviceTables
+        What.
+    plan : ExecutionPlan
+        How; changes no bit of the result.
+    seed, rays_per_batch, generation_cap : int
+        The stream.
+    roulette_floor : float
+        Fraction of the launched weight.
+
+    Raises
+    ------
+    KernelBuildError
+        Where the program cannot be built.
+    """
+
+    def __init__(self, device: OpenDevice, tables: DeviceTables, plan: ExecutionPlan) -> None:
+        import pyopencl as cl
+
+        self._cl = cl
+        self.device, self.tables, self.plan = device, tables, plan
+        self.statistics = EngineStatistics()
+        self.give_up: Callable[[], bool] | None = None
+        """Asked between launches: whether the batches in flight are to be abandoned."""
+        self._rays_per_batch = int(tables.launch["rays_per_batch"])
+        self._slots = self._count_slots()
+        self._copies = self._count_copies()
+        spec = tables.spec.for_device(
+            plan.lanes,
+            _STAGES[plan.composition],
+            interleaved=plan.interleaved,
+            private_tallies=self._copies > 0,
+            cached_bytes=plan.cached_bytes,
+        )
+        self.program: Program = build(device, spec)
+        self._items = self._count_items()
+        self._queue = Queue(device, spec, self._items, self._stack_capacity())
+        allocate, upload = self._allocate, self._upload
+        self._scene = [
+            upload(a) for a in (tables.geometry, tables.materials, tables.sources, tables.codes)
+        ]
+        self._detector_numbers = upload(tables.detector_numbers)
+        self._edges = upload(tables.edges)
+        self._launch_buffer = allocate(numpy_dtype(LAUNCH).itemsize)
+        self._status = allocate(8 * len(STATUS))
+        self._tally = allocate(8 * CELL * tables.n_cells * self._slots)
+        self._tally_copies = allocate(self._copies * self._tally.size)
+        self._clean = False  # whether nothing of an earlier run is left in the tally's copies
+        self._record_capacity = self._count_records() if spec.records else 0
+        self._records = (
+            allocate(32 * self._items * self._record_capacity),
+            allocate(8 * self._items * self._record_capacity),
+        )
+        hits = self._queue.places if plan.composition == "classical" else 0
+        self._hits = (allocate(16 * hits), allocate(8 * hits))
+        self._bind()
+        self.build_seconds = self.program.build_seconds + self._warm_up()
+
+    def _allocate(self, size: int) -> cl.Buffer:
+        flags = self._cl.mem_flags.READ_WRITE
+        return self._cl.Buffer(self.device.context, flags, max(int(size), 64))
+
+    def _upload(self, array: NDArray[Any]) -> cl.Buffer:
+        flags = self._cl.mem_flags.READ_ONLY | self._cl.mem_flags.COPY_HOST_PTR
+        # a buffer cannot be empty
+        filled = np.ascontiguousarray(array) if array.size else np.zeros(1, array.dtype)
+        return self._cl.Buffer(self.device.context, flags, hostbuf=filled)
+
+    # -- sizes ---------------------------------------------------------------------------------
+
+    def _count_slots(self) -> int:
+        memory = max(_TALLY_BYTES // (8 * CELL * self.tables.n_cells), 1)
+        return max(min(self.plan.wave_rays // self._rays_per_batch, memory), 1)
+
+    def _count_copies(self) -> int:
+        """Tallies that the tally stage keeps without atomics, 0 where they would take too much."""
+        copies = self.plan.tally_copies if self.tables.spec.records else 0
+        size = 8 * CELL * self.tables.n_cells * self._slots
+        return copies if copies * size <= _COPIES_BYTES else 0
+
+    def _wave_rays(self) -> int:
+        """Rays of one wave: whole batches, or a part of one."""
+        if self._slots > 1:
+            return self._slots * self._rays_per_batch
+        return min(self.plan.wave_rays, self._rays_per_batch)
+
+    def _count_items(self) -> int:
+        rays = self._wave_rays()
+        if self.plan.composition == "whole-path":
+            return rays
+        per_slot = max(min(self.plan.items, rays) // self._slots, 1)
+        return per_slot * self._slots
+
+    def _rays_per_item(self) -> int:
+        return math.ceil(self._wave_rays() / self._items)
+
+    def _stack_capacity(self) -> int:
+        splitting = "splitting" in self.tables.spec.effects
+        if self.plan.composition == "classical":
+            lanes = self.plan.lanes
+            rays = math.ceil(self._rays_per_item() / lanes) * lanes
+            return 2 * rays + lanes if splitting else rays
+        if self.plan.composition == "whole-path":
+            return self.plan.stack_rays if splitting else 1
+        return max(self.plan.stack_rays, 4 * self.plan.lanes) if splitting else self.plan.lanes
+
+    def _count_records(self) -> int:
+        lanes, rays = self.plan.lanes, self._rays_per_item()
+        if "splitting" in self.tables.spec.effects:
+            return max(2 * rays, 4 * lanes)
+        return max(rays + lanes, 2 * lanes)
+
+    # -- kernels -------------------------------------------------------------------------------
+
+    def _bind(self) -> None:
+        """Make the kernels and set the arguments that stay."""
+        common = (self._launch_buffer, *self._scene, self._tally)
+        queue = (self._queue.items, self._status, *self._queue.fields)
+        kernels: list[tuple[cl.Kernel, int]] = []
+
+        def add(name: str, *arguments: Any, size: int = self._items) -> None:
+            kernel = self.program.kernel(name)
+            kernel.set_args(*arguments)
+            local = self.plan.local_size
+            kernels.append((kernel, math.ceil(size / local) * local))
+
+        if self.plan.composition == "classical":
+            add("generate_stage", *common, *queue)
+            add("intersect_stage", *common, *queue, *self._hits)
+            add("shade_stage", *common, *queue, *self._records, *self._hits)
+            if "roulette" in self.tables.spec.effects:
+                add("roulette_stage", *common, *queue)
+        else:
+            name = "wave" if self.plan.composition == "packets" else "whole_path"
+            add(name, *common, *queue, *self._records)
+        if self._record_capacity:
+            whole = self.plan.composition == "whole-path"
+            parts = self._copies or (1 if whole else self.plan.tally_parts)
+            add(
+                "tally_stage",
+                self._launch_buffer,
+                self._scene[3],
+                self._detector_numbers,
+                self._edges,
+                self._queue.items,
+                *self._records,
+                self._tally_copies if self._copies else self._tally,
+                np.uint64(parts),
+                size=parts if self._copies else self._items * parts,
+            )
+        self._merge = None
+        if self._copies:
+            self._merge = self.program.kernel("merge_stage")
+            self._merge.set_args(
+                self._launch_buffer, self._tally_copies, self._tally, np.uint64(self._copies)
+            )
+        self._kernels = kernels
+
+    def _write_launch(self, first_batch: int, items: int | None = None) -> None:
+        launch = np.zeros((), numpy_dtype(LAUNCH))
+        for name, value in self.tables.launch.items():
+            launch[name] = value
+        plan = self.plan
+        steps = max(_EVENTS_BEFORE_FLUSH // (2 * self._items * plan.lanes), 1)
+        capacity = self._queue.capacity
+        splitting = "splitting" in self.tables.spec.effects
+        launch["ray_base"] = first_batch * self._rays_per_batch
+        launch["n_cells"] = self.tables.n_cells
+        launch["slots"] = self._slots
+        launch["items"] = self._items if items is None else items
+        launch["max_bounces"] = min(plan.max_bounces, steps)
+        launch["refill"] = min(plan.refill, plan.lanes)
+        launch["fill"] = capacity // 2 if splitting else capacity
+        launch["stack_capacity"] = capacity
+        launch["record_capacity"] = self._record_capacity
+        self._cl.enqueue_copy(self.device.queue, self._launch_buffer, launch)
+
+    def _warm_up(self) -> float:
+        """Launch every kernel on no work: some runtimes generate code at the first launch."""
+        started = time.perf_counter()
+        self._write_launch(0, items=0)
+        for kernel, size in self._kernels:
+            self._cl.enqueue_nd_range_kernel(
+                self.device.queue, kernel, (size,), (self.plan.local_size,)
+            )
+        self._launch_merge()
+        self.device.queue.finish()
+        return time.perf_counter() - started
+
+    # -- running -------------------------------------------------------------------------------
+
+    def run(self, first_batch: int, n_batches: int) -> Iterator[BatchTally]:
+        """Trace batches and give their tallies in order.
+
+        Parameters
+        ----------
+        first_batch : int
+            Number of the first one, from 0.
+        n_batches : int
+            How many.
+
+        Raises
+        ------
+        Abandoned
+            Where `give_up` said so; none of the batches in flight counts.
+        """
+        done = 0
+        while done < n_batches:
+            slots = min(self._slots, n_batches - done)
+            started = time.perf_counter()
+            tallies = self._run_slots(first_batch + done, slots)
+            self.statistics.seconds += time.perf_counter() - started
+            for slot in range(slots):
+                yield BatchTally(first_batch + done + slot, tallies[slot])
+            done += slots
+
+    @property
+    def batches_at_once(self) -> int:
+        """How many batches are in flight together."""
+        return self._slots
+
+    def _run_slots(self, first_batch: int, slots: int) -> NDArray[np.int64]:
+        self._write_launch(first_batch)
+        self._clear(self._tally)
+        if not self._clean:
+            self._clear(self._tally_copies)
+        self._clean = False
+        total = np.zeros((slots, self.tables.n_cells, CELL), np.int64)
+        events = 0
+        for items in self._waves(slots):
+            self.statistics.waves += 1
+            self._cl.enqueue_copy(self.device.queue, self._queue.items, items)
+            while True:
+                unfinished, blocked, interactions = self._launch()
+                self.statistics.interactions += interactions
+                events += interactions
+                if events > _EVENTS_BEFORE_FLUSH:
+                    total = self._flush(total)
+                    self._clear(self._tally)
+                    events = 0
+                if not unfinished:
+                    break
+                if self.give_up is not None and self.give_up():
+                    raise Abandoned
+                if blocked:
+                    self._grow(first_batch)
+        total = self._flush(total)
+        self._clean = True
+        return total
+
+    def _waves(self, slots: int) -> Iterator[NDArray[np.void]]:
+        """Give the work-items' states at the start of each wave."""
+        rays = self._rays_per_batch
+        dtype = numpy_dtype(ITEM)
+        if self._slots > 1:
+            per_slot = self._items // self._slots
+            items = np.zeros(self._items, dtype)
+            for slot in range(slots):
+                bounds = np.arange(per_slot + 1, dtype=np.int64) * rays // per_slot
+                part = items[slot * per_slot : (slot + 1) * per_slot]
+                part["slot"], part["next"], part["end"] = slot, bounds[:-1], bounds[1:]
+            yield items
+            return
+        wave = self._wave_rays()
+        for start in range(0, rays, wave):
+            count = min(wave, rays - start)
+            bounds = start + np.arange(self._items + 1, dtype=np.int64) * count // self._items
+            items = np.zeros(self._items, dtype)
+            items["next"], items["end"] = bounds[:-1], bounds[1:]
+            yield items
+
+    def _launch(self) -> tuple[int, int, int]:
+        cl, queue = self._cl, self.device.queue
+        started = time.perf_counter()
+        status = np.zeros(len(STATUS), np.int64)
+        cl.enqueue_copy(queue, self._status, status, is_blocking=False)
+        local = (self.plan.local_size,)
+        for kernel, size in self._kernels:
+            cl.enqueue_nd_range_kernel(queue, kernel, (size,), local)
+        self.statistics.launches += len(self._kernels)
+        self.statistics.enqueue_seconds += time.perf_counter() - started
+        counters = np.empty_like(status)
+        cl.enqueue_copy(queue, counters, self._status)
+        return int(counters[0]), int(counters[1]), int(counters[2])
+
+    def _grow(self, first_batch: int) -> None:
+        """Give every segment twice the room; nothing in it is lost."""
+        self._queue.grow()
+        if self.plan.composition == "classical":
+            places = self._queue.places
+            self._hits = (self._allocate(16 * places), self._allocate(8 * places))
+        self._bind()
+        self._write_launch(first_batch)
+
+    def _launch_merge(self) -> None:
+        if self._merge is None:
+            return
+        size = self._tally.size // 8
+        self._cl.enqueue_nd_range_kernel(self.device.queue, self._merge, (size,), None)
+
+    def _clear(self, buffer: cl.Buffer) -> None:
+        zero = np.zeros(1, np.int64)
+        self._cl.enqueue_fill_buffer(self.device.queue, buffer, zero, 0, buffer.size)
+
+    def _flush(self, total: NDArray[np.int64]) -> NDArray[np.int64]:
+        part = np.empty_like(total)
+        self._launch_merge()
+        self._cl.enqueue_copy(self.device.queue, part, self._tally)
+        flat = canonical((total + part).reshape(-1, CELL))
+        return flat.reshape(total.shape)

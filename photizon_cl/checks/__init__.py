@@ -1,0 +1,1 @@
+"""Advice before a run: what is valid in a scene and yet probably not meant."""

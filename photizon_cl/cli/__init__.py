@@ -1,0 +1,1 @@
+"""The command line: ``photizon VERB …``, one verb a file."""

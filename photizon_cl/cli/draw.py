@@ -1,0 +1,59 @@
+"""The verb ``show``: a scene drawn with traced rays."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from photizon_cl.cli.show import console, paragraph
+from photizon_cl.errors import ArgumentError, show
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ["FORMATS", "draw"]
+
+FORMATS: Final = (".png", ".svg", ".pdf")
+_DPI: Final = 150
+
+
+def draw(arguments: argparse.Namespace) -> int:
+    """Draw a scene as the arguments say; return the exit status."""
+    from photizon_cl.scene.files import load
+
+    scene = load(arguments.scene)  # a bad scene is told before anything heavy is imported
+    out = arguments.out
+    if out is None:
+        out = re.sub(r"[^\w+.-]+", "_", scene.name).strip(".") + ".png"
+    path = Path(out)
+    if path.suffix.lower() not in FORMATS:
+        raise ArgumentError(
+            f"--out: found {show(out)}, expected a file that ends in {', '.join(FORMATS)}"
+        )
+    if path.is_dir() or not path.parent.is_dir():
+        why = "it is a directory" if path.is_dir() else "its directory does not exist"
+        raise ArgumentError(f"--out: found {show(out)}, expected a file to write ({why})")
+
+    from photizon_cl.run.pathing import paths
+    from photizon_cl.views.drawing.plot import draw_scene
+
+    found = paths(scene, arguments.rays, arguments.seed, device=arguments.device)
+    figure = draw_scene(found, arguments.by)
+    # Nothing of the moment goes into the file: the same scene gives the same drawing.
+    kind = path.suffix.lower()[1:]
+    metadata: dict[str, str | None] = {"Date" if kind == "svg" else "CreationDate": None}
+    if kind == "png":
+        metadata = {"Software": "photizon_cl"}
+    try:
+        figure.savefig(path, format=kind, dpi=_DPI, metadata=metadata)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise ArgumentError(f"--out: {show(out)} cannot be written ({why})") from None
+    screen = console()
+    for text in found.advisories:
+        screen.print(paragraph(f"advisory: {text}", ""), soft_wrap=True)
+    screen.print(
+        f"{len(found)} segments of {arguments.rays} rays, written to {path}", soft_wrap=True
+    )
+    return 0

@@ -1,0 +1,34 @@
+"""The verb ``report``: the page of a saved result."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from photizon_cl.errors import ArgumentError
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ["add_arguments", "report"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the verb takes."""
+    parser.add_argument("directory", metavar="DIR", help="the directory that `run --out` wrote")
+    parser.add_argument("--out", metavar="FILE", help="the page to write; default DIR/report.html")
+
+
+def report(arguments: argparse.Namespace) -> int:
+    """Write the report as the arguments say and print its path; return the exit status."""
+    for name, value in (("DIR", arguments.directory), ("--out", arguments.out)):
+        if value == "":
+            raise ArgumentError(f"{name}: found nothing, expected a path")
+
+    from photizon_cl.views.report import write_report
+
+    written = write_report(arguments.directory, arguments.out)
+    for text in written.warnings:
+        print(text, file=sys.stderr)
+    print(written.page)
+    return 0

@@ -1,5 +1,0 @@
-"""Detectors: what is counted on an absorbing element."""
-
-from photizon_cl.detectors.detector import MAX_BINS, MAX_GENERATIONS, SIDES, Detector
-
-__all__ = ["MAX_BINS", "MAX_GENERATIONS", "SIDES", "Detector"]

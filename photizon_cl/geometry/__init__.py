@@ -1,0 +1,1 @@
+"""What follows from the faces of elements: neighbours, contact, wedges, boxes, areas, outlines."""

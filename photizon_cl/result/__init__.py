@@ -1,0 +1,1 @@
+"""From exact tallies to estimates with their standard errors, kept in files."""

@@ -1,0 +1,85 @@
+"""What a finished run shows and deserves a second look."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from photizon_cl.result.stopping import LEAST_BATCHES
+from photizon_cl.views.text import lit_percent
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from photizon_cl.result.result import Result
+    from photizon_cl.scene.elements import Element
+
+__all__ = ["run_advisories"]
+
+_CAPPED: Final = 1e-6  # depth-capped part of the flux that is worth a word
+_LIT: Final = 0.5  # part of the map bins that should be lit
+
+_OTHER_SIDE: Final = {"inside": "outside", "outside": "inside"}
+
+
+def run_advisories(result: Result) -> list[str]:
+    """Return one sentence for each thing that a run's outcome gives reason for."""
+    return [*_short(result), *_dark_detectors(result), *_capped(result), *_unlit(result)]
+
+
+def _short(result: Result) -> Iterator[str]:
+    if result.converged:
+        return
+    target, achieved = result.target_sigma, result.achieved_sigma
+    if achieved is not None:
+        if result.info.goal.target is not None:  # else a number of batches was asked for
+            yield (
+                f"the target was not met: the median relative σ is {achieved:.3g} and {target:.3g} "
+                "was asked for; go on with a higher max_seconds or more batches"
+            )
+    elif result.batches < 2:
+        yield "a single batch has no standard error: run at least two, better 8 or more"
+    else:
+        yield (
+            f"no bin, detector or row gathered enough for a relative σ, so the target of "
+            f"{target:.3g} says nothing; look where the light goes in the ledger"
+        )
+    if 1 < result.batches < LEAST_BATCHES:
+        yield f"σ from {result.batches} batches is itself uncertain; run {LEAST_BATCHES} or more"
+
+
+def _dark_detectors(result: Result) -> Iterator[str]:
+    elements = {e.name: e for e in result.scene.element}
+    for name, detector in result.detectors.items():
+        absorbed = result.ledger.absorbed[name].value
+        if detector.power.count == 0 and absorbed > 0.0:
+            yield (
+                f'the detector on "{name}" reads exactly nothing while the element absorbs '
+                f"{absorbed:.4g} W: the light arrives from behind; {_turn(elements[name])}"
+            )
+
+
+def _turn(element: Element) -> str:
+    if element.flat:
+        other = ("-" if element.axis[0] == "+" else "+") + element.axis[1]
+        return f'turn its axis from "{element.axis}" to "{other}"'
+    side = element.detector_side or element.default_side
+    return f'set its side to "{_OTHER_SIDE[side]}" (it is "{side}")'
+
+
+def _capped(result: Result) -> Iterator[str]:
+    part = result.ledger.depth_capped.value / result.ledger.emitted.value
+    if part > _CAPPED:
+        yield (
+            f"{part:.2e} of the emitted power was still under way at the generation cap of "
+            f"{result.scene.run.generation_cap} and went to the depth-capped row; raise "
+            "generation_cap"
+        )
+
+
+def _unlit(result: Result) -> Iterator[str]:
+    lit = result.lit_fraction
+    if lit is not None and lit < _LIT:
+        yield (
+            f"only {lit_percent(lit)} of the map bins carry at least 10 rays, and σ is the median "
+            "over those alone; run longer or take coarser bins"
+        )

@@ -1,0 +1,165 @@
+"""The arrays of a result with names, dimensions, coordinates and units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from photizon_cl.result.ledger import Estimate
+    from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
+    from photizon_cl.result.result import Result
+
+__all__ = ["dataset", "prefix"]
+
+_RESERVED: Final = frozenset({"far_field", "ledger"})
+_HATCHING: Final = "bins with a count below 10 have an unreliable sigma and are shown hatched"
+
+Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]]
+
+
+def prefix(element: str) -> str:
+    """Return what the names of a detector's arrays begin with: the name of its element.
+
+    An element named like one of the file's own prefixes gets a trailing underscore.
+    """
+    return f"{element}_" if element.rstrip("_") in _RESERVED else element
+
+
+def dataset(result: Result) -> xr.Dataset:
+    """Return every array of a result, labelled.
+
+    Variables are ``ledger.*``, ``DETECTOR.*`` and ``far_field.*``; powers in W, irradiance in W/m²,
+    intensity in W/sr. A σ is NaN with a single batch.
+    """
+    import xarray as xr
+
+    variables: Variables = {}
+    coordinates: Variables = {}
+    _ledger(result, variables, coordinates)
+    for name, detector in result.detectors.items():
+        _detector(name, detector, variables, coordinates)
+    if result.far_field is not None:
+        _far_field(result.far_field, variables, coordinates)
+    attrs = {
+        "title": result.scene.title or result.scene.name,
+        "scene_name": result.scene.name,
+        "batches": result.batches,
+        "rays_per_batch": result.scene.run.rays_per_batch,
+        "tally_digest": result.tally_digest,
+        "scene_digest": result.scene.digest(),
+    }
+    return xr.Dataset(variables, coordinates, attrs)
+
+
+def _sigma(estimate: Estimate) -> float:
+    return float("nan") if estimate.sigma is None else estimate.sigma
+
+
+def _ledger(result: Result, variables: Variables, coordinates: Variables) -> None:
+    ledger = result.ledger
+    rows = [("emitted", ledger.emitted)]
+    rows += [(f"absorbed: {name}", row) for name, row in ledger.absorbed.items()]
+    rows += [
+        ("escaped", ledger.escaped),
+        ("roulette killed", ledger.roulette.killed),
+        ("roulette boosted", ledger.roulette.boosted),
+        ("roulette balance", ledger.roulette.balance),
+        ("depth-capped", ledger.depth_capped),
+    ]
+    dim = ("ledger.row",)
+    names = np.array([name for name, _ in rows], dtype=object)
+    coordinates["ledger.row"] = (dim, names, {"long_name": "where the power ended"})
+    values = [row.value for _, row in rows]
+    variables["ledger.power"] = (dim, values, {"units": "W", "long_name": "mean over batches"})
+    sigmas = [_sigma(row) for _, row in rows]
+    variables["ledger.sigma"] = (dim, sigmas, {"units": "W", "long_name": "standard error"})
+    text = "emitted minus every other row"
+    variables["ledger.closure"] = ((), ledger.closure, {"units": "W", "long_name": text})
+
+
+def _detector(
+    name: str, detector: DetectorResult, variables: Variables, coordinates: Variables
+) -> None:
+    at = prefix(name)
+    about = {"element": name}
+    power = detector.power
+    variables[f"{at}.power"] = ((), power.value, {**about, "units": "W"})
+    variables[f"{at}.power_sigma"] = ((), _sigma(power), {**about, "units": "W"})
+    variables[f"{at}.power_count"] = ((), power.count, {**about, "units": "1"})
+    if detector.ladder is not None:
+        dim = (f"{at}.generation",)
+        text = "surface interactions before the arrival; the last entry collects all higher ones"
+        rungs = detector.ladder
+        generations = np.array([rung.generation for rung in rungs])
+        coordinates[dim[0]] = (dim, generations, {"units": "1", "long_name": text})
+        values = np.array([rung.value for rung in rungs])
+        variables[f"{at}.ladder"] = (dim, values, {**about, "units": "W"})
+        sigmas = np.array([_sigma_or_nan(rung.sigma) for rung in rungs])
+        variables[f"{at}.ladder_sigma"] = (dim, sigmas, {**about, "units": "W"})
+        counts = np.array([rung.count for rung in rungs])
+        variables[f"{at}.ladder_count"] = (dim, counts, {**about, "units": "1"})
+    if detector.map is not None:
+        _map(at, about, detector.map, variables, coordinates)
+
+
+def _sigma_or_nan(sigma: float | None) -> float:
+    return float("nan") if sigma is None else sigma
+
+
+def _axis(
+    name: str, edges: Any, units: str, text: str, variables: Variables, coordinates: Variables
+) -> str:
+    """Add the centres of bins as a coordinate, and their edges; return the dimension."""
+    attrs = {"units": units, "long_name": text}
+    coordinates[name] = ((name,), 0.5 * (edges[:-1] + edges[1:]), {**attrs, "bin": "centre"})
+    # A variable, since a coordinate off its own dimension may have no space in its name.
+    variables[f"{name}_edges"] = ((f"{name}_edge",), edges, {**attrs, "bin": "edges"})
+    return name
+
+
+_AXIS_TEXT: Final = {
+    "u": "local u",
+    "v": "local v",
+    "phi": "azimuth about the axis, from u towards v",
+    "cos_theta": "cosine of the angle from the axis",
+}
+
+
+def _map(
+    at: str, about: dict[str, str], m: IrradianceMap, variables: Variables, coordinates: Variables
+) -> None:
+    y = _axis(
+        f"{at}.{m.y_name}", m.y_edges, m.y_units, _AXIS_TEXT[m.y_name], variables, coordinates
+    )
+    x = _axis(
+        f"{at}.{m.x_name}", m.x_edges, m.x_units, _AXIS_TEXT[m.x_name], variables, coordinates
+    )
+    dims = (y, x)
+    text = "irradiance, power over the exact area of the bin; NaN where it has none"
+    flux = {**about, "units": "W m-2"}
+    variables[f"{at}.irradiance"] = (dims, m.irradiance, {**flux, "long_name": text})
+    error = {**flux, "long_name": "standard error of the irradiance", "comment": _HATCHING}
+    variables[f"{at}.sigma"] = (dims, m.sigma, error)
+    count = {**about, "units": "1", "long_name": "arrivals"}
+    variables[f"{at}.count"] = (dims, m.count, count)
+    area = {**about, "units": "m2", "long_name": "exact area of the bin on the element"}
+    variables[f"{at}.area"] = (dims, m.area, area)
+
+
+def _far_field(far: FarFieldResult, variables: Variables, coordinates: Variables) -> None:
+    text = "cosine of the angle from world +z"
+    mu = _axis("far_field.mu", far.mu_edges, "1", text, variables, coordinates)
+    text = "azimuth from world +x towards +y"
+    phi = _axis("far_field.phi", far.phi_edges, "rad", text, variables, coordinates)
+    dims = (mu, phi)
+    units = {"units": "W sr-1"}
+    variables["far_field.intensity"] = (dims, far.intensity, {**units, "long_name": "intensity"})
+    error = {**units, "long_name": "standard error of the intensity", "comment": _HATCHING}
+    variables["far_field.sigma"] = (dims, far.sigma, error)
+    variables["far_field.count"] = (dims, far.count, {"units": "1", "long_name": "rays"})
+    solid = {"units": "sr", "long_name": "solid angle of every bin"}
+    variables["far_field.solid_angle"] = ((), far.solid_angle, solid)

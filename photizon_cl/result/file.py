@@ -1,0 +1,221 @@
+"""The file of a result: labelled arrays, and the exact integers that they come from.
+
+The top level of the netCDF-4 file holds every array with dimensions, coordinates and units, for any
+reader; its group ``tally`` holds the exact integers, with which a run goes on. `read_file` reads
+the integers and derives the rest as the run did, so that every number comes back to the bit. A
+checkpoint is such a file without the arrays.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import math
+import os
+import shutil
+import tomllib
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from photizon_cl.atomic import reason
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.errors import ResultError, show
+from photizon_cl.result.arrays import dataset
+from photizon_cl.result.result import RESULT_SCHEMA, Result, RunInfo
+from photizon_cl.result.statistics import Accumulator, AccumulatorState
+from photizon_cl.result.stopping import Goal
+from photizon_cl.scene.files import load, to_toml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    import xarray as xr
+
+    from photizon_cl.scene.model import Scene
+
+__all__ = ["read_file", "read_scene", "write_arrays", "write_state"]
+
+_GROUP: Final = "tally"
+_OVERHEAD: Final = 1 << 18  # bytes of a file beside its arrays, rounded up
+_STATE: Final = ("limbs", "count", "mean", "m2")
+_HISTORY: Final = ("batches", "seconds", "sigma")
+
+
+def write_arrays(result: Result, path: Path) -> None:
+    """Write every labelled array, and what a run goes on from."""
+    arrays, tally = _named(result, dataset(result)), _tally_dataset(result)
+    _check_room(path.parent, arrays, tally)
+    _write(arrays, path, "w", None)
+    _write(tally, path, "a", _GROUP)
+
+
+def write_state(result: Result, path: Path) -> None:
+    """Write what a run goes on from, and no arrays."""
+    import xarray as xr
+
+    tally = _tally_dataset(result)
+    _check_room(path.parent, tally)
+    _write(_named(result, xr.Dataset()), path, "w", None)
+    _write(tally, path, "a", _GROUP, packed=False)
+
+
+def _named(result: Result, arrays: xr.Dataset) -> xr.Dataset:
+    arrays.attrs["schema"] = RESULT_SCHEMA
+    arrays.attrs["scene"] = to_toml(result.scene)
+    return arrays
+
+
+def _check_room(folder: Path, *arrays: xr.Dataset) -> None:
+    """Refuse before HDF5 runs out of room: it cannot end a file that has none, and may crash."""
+    needed = sum(a.nbytes for a in arrays) + _OVERHEAD
+    if shutil.disk_usage(folder).free < needed:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def _write(
+    arrays: xr.Dataset, path: Path, mode: Any, group: str | None, *, packed: bool = True
+) -> None:
+    how = {"zlib": True, "complevel": 4, "shuffle": True}
+    encoding = {name: how for name, a in arrays.variables.items() if packed and a.size > 1024}
+    arrays.to_netcdf(path, mode=mode, group=group, engine="h5netcdf", encoding=encoding)
+
+
+def _tally_dataset(result: Result) -> xr.Dataset:
+    import xarray as xr
+
+    state, info = result.tally.state(), result.info
+    made = xr.Dataset(
+        {
+            "limbs": (("cell", "limb"), state.limbs, {"long_name": "exact totals"}),
+            "count": (("cell",), state.count, {"units": "1", "long_name": "arrivals"}),
+            "mean": (("quantity",), state.mean, {"long_name": "running mean (Welford)"}),
+            "m2": (("quantity",), state.m2, {"long_name": "sum of squared deviations (Welford)"}),
+            **{
+                f"history_{name}": (("wave",), result.history[name], {"units": unit})
+                for name, unit in zip(_HISTORY, ("1", "s", "1"), strict=True)
+            },
+        },
+        attrs={
+            "description": "in launched weights; limbs are of 2^1, 2^-31, 2^-63, 2^-95",
+            "batches": state.batches,
+            "digest": state.digest.hex(),
+            "device": info.device,
+            "precision": info.precision,
+            "stopped": info.stopped,
+            "version": info.version,
+            "engine": info.engine,
+            # HDF5 has no integers of any length, and its floats would round.
+            "interactions": str(info.interactions),
+            "worst_closure": str(info.worst_closure),
+            "seconds": info.seconds.hex(),
+            "build_seconds": info.build_seconds.hex(),
+            "goal": json.dumps(
+                [info.goal.batches, info.goal.target, info.goal.max_seconds], allow_nan=False
+            ),
+        },
+    )
+    made.attrs["checksum"] = _checksum(made, to_toml(result.scene))
+    return made
+
+
+def _checksum(tally: xr.Dataset, scene: str) -> str:
+    """Return a digest over everything that a result is derived from."""
+    total = hashlib.sha256(scene.encode())
+    for name in sorted(map(str, tally.data_vars)):
+        array = np.ascontiguousarray(tally[name].values)
+        total.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())
+    for name in sorted(map(str, tally.attrs)):
+        if name != "checksum":
+            total.update(f"{name}={tally.attrs[name]}\0".encode())
+    return total.hexdigest()
+
+
+# -- reading -------------------------------------------------------------------------------------
+
+
+def read_file(file: Path) -> Result:
+    """Return the result that a file holds, with arrays or without.
+
+    Raises
+    ------
+    ResultError
+        Where it cannot be read, is damaged, or is something else.
+    """
+    with _damage_told(file):
+        return _read(file)
+
+
+def read_scene(file: Path) -> Scene:
+    """Return the scene of a file, and read no more of it; raises as `read_file` does."""
+    with _damage_told(file):
+        return load(tomllib.loads(_scene_text(file)))
+
+
+@contextmanager
+def _damage_told(file: Path) -> Iterator[None]:
+    """Turn what may come of a file into a ResultError that names it."""
+    try:
+        yield
+    except ResultError:
+        raise
+    except PermissionError as error:
+        raise ResultError(f"{show(str(file))} cannot be read: {reason(error)}") from None
+    except Exception as error:  # what HDF5 finds in damaged files comes as anything
+        raise ResultError(
+            f"{show(str(file))} is damaged or not a photizon result: {' '.join(str(error).split())}"
+        ) from error
+
+
+def _scene_text(file: Path) -> str:
+    import xarray as xr
+
+    with xr.open_dataset(file, engine="h5netcdf", decode_cf=False) as top:
+        if top.attrs.get("schema") != RESULT_SCHEMA:
+            found = show(top.attrs.get("schema"))
+            raise ResultError(
+                f"{show(str(file))}: found the schema {found}, expected {show(RESULT_SCHEMA)}"
+            )
+        return str(top.attrs["scene"])
+
+
+def _read(file: Path) -> Result:
+    import xarray as xr
+
+    text = _scene_text(file)
+    scene = load(tomllib.loads(text))
+    with xr.open_dataset(file, engine="h5netcdf", group=_GROUP, decode_cf=False) as group:
+        arrays = {name: np.array(group[name].values) for name in _STATE}
+        history = [  # results of the first version have none
+            group[f"history_{name}"].values.tolist() if f"history_{name}" in group else []
+            for name in _HISTORY
+        ]
+        attrs = dict(group.attrs)
+        # files of the first version have none
+        if attrs.get("checksum", "") and attrs["checksum"] != _checksum(group, text):
+            raise ValueError("its checksum does not fit")
+    compiled = compile_scene(scene, scene.run)
+    layout = compiled.layout
+    state = AccumulatorState(int(attrs["batches"]), **arrays, digest=bytes.fromhex(attrs["digest"]))
+    if len(state.count) != layout.n_cells:
+        raise ValueError(f"{len(state.count)} cells, and its scene has {layout.n_cells}")
+    tally = Accumulator.restore(state, [(layout.killed, layout.boosted)])
+    info = RunInfo(
+        device=str(attrs["device"]),
+        precision=str(attrs["precision"]),
+        stopped=str(attrs.get("stopped", "")),
+        version=str(attrs.get("version", "")),
+        engine=str(attrs.get("engine", "")),
+        interactions=int(attrs["interactions"]),
+        seconds=float.fromhex(attrs["seconds"]),
+        build_seconds=float.fromhex(attrs["build_seconds"]),
+        worst_closure=int(attrs["worst_closure"]),
+        goal=Goal(*json.loads(attrs["goal"])),
+        history=tuple(
+            (b, t, None if math.isnan(s) else s) for b, t, s in zip(*history, strict=True)
+        ),
+    )
+    return Result(compiled, tally, info)

@@ -1,0 +1,234 @@
+"""The energy ledger: every watt that the sources emit, in the row where it ended.
+
+Balances are taken in exact integers, batch by batch, and turned into watts at the very end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, Final
+
+from hostcode.run.tally import UNIT_EXPONENT, exact
+from photizon_cl.errors import RunError
+from photizon_cl.result.statistics import exact_sum
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.result.statistics import Accumulator
+
+__all__ = ["CLOSURE_LIMIT", "Estimate", "Ledger", "Roulette", "check_batch"]
+
+CLOSURE_LIMIT: Final = Fraction(1, 10**12)
+"""Part of the emitted power that a batch's ledger may miss by; more is a defect of the engine."""
+
+_UNIT: Final = Fraction(1, 1 << -UNIT_EXPONENT)
+_DEFECT: Final = "this is a defect of the engine; please report it with the scene file"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A quantity with its standard error.
+
+    Parameters
+    ----------
+    value : float
+        Mean over batches, in watts.
+    sigma : float or None
+        Standard error of the mean, in watts; None with a single batch.
+    count : int or None
+        Arrivals, where they are counted.
+    """
+
+    value: float
+    sigma: float | None
+    count: int | None = None
+
+    def summary(self) -> dict[str, Any]:
+        """Return the estimate as the summary holds it."""
+        out: dict[str, Any] = {"value": self.value, "sigma": self.sigma}
+        if self.count is not None:
+            out["count"] = self.count
+        return out
+
+
+@dataclass(frozen=True)
+class Roulette:
+    """What roulette took and gave.
+
+    Parameters
+    ----------
+    killed : Estimate
+        Power of the rays that it ended.
+    boosted : Estimate
+        Power that it added to those that went on.
+    balance : Estimate
+        killed − boosted; zero on average. Its σ comes from the batches' own balances.
+    """
+
+    killed: Estimate
+    boosted: Estimate
+    balance: Estimate
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Where the power went.
+
+    Parameters
+    ----------
+    emitted : Estimate
+        Power launched; its σ is exactly 0.
+    absorbed : mapping of str to Estimate
+        By element, in the order of the scene; both sides of each.
+    escaped : Estimate
+        What left the scene; equal to the far field's total.
+    roulette : Roulette
+        Killed, boosted, and their balance.
+    depth_capped : Estimate
+        Power still under way at the generation cap.
+    closure : float
+        emitted − absorbed − escaped − balance − depth_capped, in watts, exact until the one
+        rounding to a float.
+    worst_closure : float
+        The batches' largest |closure|, in watts.
+    """
+
+    emitted: Estimate
+    absorbed: Mapping[str, Estimate]
+    escaped: Estimate
+    roulette: Roulette
+    depth_capped: Estimate
+    closure: float
+    worst_closure: float
+
+    @classmethod
+    def of(cls, compiled: CompiledScene, tally: Accumulator, worst: int) -> Ledger:
+        """Return the ledger of accumulated batches.
+
+        Parameters
+        ----------
+        compiled : CompiledScene
+            What the cells mean and are worth.
+        tally : Accumulator
+            At least one batch, with the difference (killed, boosted) behind its cells.
+        worst : int
+            The batches' largest |closure|, in units of 2^-95 launched weights.
+        """
+        layout = compiled.layout
+        totals = [tally.exact(cell) for cell in range(layout.n_rows)]
+        errors = tally.standard_error() * compiled.unit_power
+        known = tally.batches > 1
+
+        def row(total: int, error: int) -> Estimate:
+            sigma = float(errors[error]) if known else None
+            return Estimate(watts(compiled, total, tally.batches), sigma)
+
+        absorbed = {e.name: row(totals[n], n) for n, e in enumerate(compiled.scene.element)}
+        balance = totals[layout.killed] - totals[layout.boosted]
+        emitted = compiled.emitted * tally.batches
+        n = layout.n_elements
+        accounted = _accounted(sum(totals[:n]), totals[n:])
+        return cls(
+            emitted=Estimate(watts(compiled, emitted, tally.batches), 0.0 if known else None),
+            absorbed=absorbed,
+            escaped=row(totals[layout.escaped], layout.escaped),
+            roulette=Roulette(
+                row(totals[layout.killed], layout.killed),
+                row(totals[layout.boosted], layout.boosted),
+                row(balance, layout.n_cells),
+            ),
+            depth_capped=row(totals[layout.depth_capped], layout.depth_capped),
+            closure=watts(compiled, emitted - accounted, tally.batches),
+            worst_closure=watts(compiled, worst, 1),
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """Return the ledger as the summary holds it."""
+        roulette = self.roulette
+        return {
+            "emitted": self.emitted.summary(),
+            "absorbed": {name: row.summary() for name, row in self.absorbed.items()},
+            "escaped": self.escaped.summary(),
+            "roulette": {
+                "killed": roulette.killed.summary(),
+                "boosted": roulette.boosted.summary(),
+                "balance": roulette.balance.summary(),
+            },
+            "depth_capped": self.depth_capped.summary(),
+            "closure": self.closure,
+        }
+
+    def rows(self) -> list[tuple[str, Estimate]]:
+        """Return every row behind `emitted` with its title, in the order in which it is shown."""
+        rows = [(name, row) for name, row in self.absorbed.items()]
+        rows.append(("escaped", self.escaped))
+        rows.append(("roulette balance", self.roulette.balance))
+        rows.append(("depth-capped", self.depth_capped))
+        return rows
+
+
+def watts(compiled: CompiledScene, total: int, batches: int) -> float:
+    """Return the mean over batches of a total in units of 2^-95, in watts, rounded once."""
+    return float(Fraction(total, batches) * _UNIT * Fraction(compiled.unit_power))
+
+
+def _accounted(absorbed: int, others: Sequence[int]) -> int:
+    """Return where all launched weight went; `others`: the rows behind the elements'."""
+    escaped, killed, boosted, depth_capped = others
+    return absorbed + escaped + killed - boosted + depth_capped
+
+
+def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -> int:
+    """Check a batch's ledger and return |closure| in units of 2^-95 launched weights.
+
+    Parameters
+    ----------
+    compiled : CompiledScene
+        What the cells mean.
+    batch : int
+        Number of the batch, for the message.
+    cells : ndarray, shape (n_cells, 4), int64
+        Its completed tally.
+
+    Raises
+    ------
+    RunError
+        Where the ledger does not close to 1e-12 of the emitted power, the far field's total is not
+        exactly what escaped, or a detector shows more than its element absorbed.
+    """
+    layout = compiled.layout
+    n = layout.n_elements
+    absorbed, _ = exact_sum(cells[:n])
+    others = exact(cells[n : layout.n_rows])
+    closure = abs(compiled.emitted - _accounted(absorbed, others))
+    if closure > CLOSURE_LIMIT * compiled.emitted:
+        part = float(Fraction(closure, compiled.emitted))
+        raise RunError(
+            f"batch {batch}: the ledger misses {part:.3e} of the emitted power (at most 1e-12 is "
+            f"rounding): {_DEFECT}"
+        )
+    n_bins = layout.n_mu * layout.n_phi
+    if n_bins:
+        bins, _ = exact_sum(cells[layout.far_field : layout.far_field + n_bins])
+        (escaped,) = exact(cells[layout.escaped : layout.escaped + 1])
+        if bins != escaped:
+            part = float(Fraction(bins - escaped, compiled.emitted))
+            raise RunError(
+                f"batch {batch}: the far field's total is not what escaped (it differs by "
+                f"{part:.3e} of the emitted power): {_DEFECT}"
+            )
+    for d in layout.detectors:
+        power, taken = exact(cells[[d.power, d.element]])
+        if not 0 <= power <= taken:
+            name = compiled.scene.element[d.element].name
+            raise RunError(
+                f"batch {batch}: the detector on {name!r} shows more than the element absorbed: "
+                f"{_DEFECT}"
+            )
+    return closure

@@ -1,0 +1,250 @@
+"""What detectors and the far field show: arrays in physical units with errors and counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from photizon_cl.geometry.areas import bin_areas
+from photizon_cl.result.ledger import Estimate, watts
+from photizon_cl.result.statistics import LIT_COUNT
+from photizon_cl.scene.elements import Sphere
+from photizon_cl.scene.elements.flat import Flat
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.compile.layout import DetectorCells
+    from photizon_cl.result.statistics import Accumulator
+    from photizon_cl.scene.elements import Element
+    from photizon_cl.scene.settings import FarField
+
+__all__ = ["DetectorResult", "FarFieldResult", "IrradianceMap", "Rung"]
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One entry of a power-per-generation ladder.
+
+    Parameters
+    ----------
+    generation : int
+        Surface interactions before the arrival; the last entry collects all higher ones.
+    value, sigma : float, float or None
+        Power and its standard error in watts.
+    count : int
+        Arrivals.
+    """
+
+    generation: int
+    value: float
+    sigma: float | None
+    count: int
+
+    def summary(self) -> dict[str, Any]:
+        """Return the entry as the summary holds it."""
+        return {
+            "generation": self.generation,
+            "value": self.value,
+            "sigma": self.sigma,
+            "count": self.count,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class IrradianceMap:
+    """An irradiance map. Rows ascend in v (or cos θ), columns in u (or φ).
+
+    Parameters
+    ----------
+    irradiance : ndarray, shape (ny, nx), float64
+        W/m²: power of the bin over its exact area; NaN where the bin has none.
+    sigma : ndarray, shape (ny, nx), float64
+        Standard error of the irradiance in W/m²; NaN with a single batch and where masked.
+    count : ndarray, shape (ny, nx), int64
+        Arrivals.
+    area : ndarray, shape (ny, nx), float64
+        m²; 0 where the bin lies wholly outside a disk or in a sphere's port.
+    x_edges, y_edges : ndarray, shapes (nx + 1,) and (ny + 1,)
+        Edges of the bins: u and v in metres, or φ in radians and cos θ.
+    x_name, y_name : str
+        ``u`` and ``v``, or ``phi`` and ``cos_theta``.
+    x_units, y_units : str
+        ``m``, ``rad`` or ``1``.
+    """
+
+    irradiance: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+    count: NDArray[np.int64]
+    area: NDArray[np.float64]
+    x_edges: NDArray[np.float64]
+    y_edges: NDArray[np.float64]
+    x_name: str
+    y_name: str
+    x_units: str
+    y_units: str
+
+    @property
+    def masked(self) -> NDArray[np.bool_]:
+        """Bins without any area, shape (ny, nx)."""
+        return np.equal(self.area, 0.0)
+
+    @property
+    def hatched(self) -> NDArray[np.bool_]:
+        """Bins with fewer than 10 arrivals, shape (ny, nx): values are there, with poor errors."""
+        return (self.count < LIT_COUNT) & ~self.masked
+
+    @property
+    def lit(self) -> NDArray[np.bool_]:
+        """Bins with at least 10 arrivals, shape (ny, nx)."""
+        return (self.count >= LIT_COUNT) & ~self.masked
+
+    @property
+    def lit_fraction(self) -> float:
+        """Part of the bins with an area that have at least 10 arrivals."""
+        return float(self.lit.sum() / max((~self.masked).sum(), 1))
+
+    def summary(self) -> dict[str, Any]:
+        """Return what the summary says of the map."""
+        ny, nx = self.count.shape
+        return {"nx": nx, "ny": ny, "hatched_below": LIT_COUNT}
+
+    @classmethod
+    def of(cls, compiled: CompiledScene, tally: Accumulator, d: DetectorCells) -> IrradianceMap:
+        """Return the map of a detector that has one."""
+        element = compiled.scene.element[d.element]
+        shape = (d.ny, d.nx)
+        n = d.nx * d.ny
+        area = bin_areas(element, d.nx, d.ny)
+        here = np.where(area == 0.0, np.nan, area)
+        power = tally.mean(d.map, n).reshape(shape) * compiled.unit_power
+        error = tally.standard_error(d.map, n).reshape(shape) * compiled.unit_power
+        return cls(
+            power / here,
+            error / here,
+            tally.count[d.map : d.map + n].reshape(shape).copy(),
+            area,
+            *_axes(element, d.nx, d.ny),
+        )
+
+
+def _axes(
+    element: Element, nx: int, ny: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], str, str, str, str]:
+    i, j = np.arange(nx + 1), np.arange(ny + 1)
+    if isinstance(element, Sphere):
+        return 2.0 * np.pi * i / nx, (2 * j - ny) / ny, "phi", "cos_theta", "rad", "1"
+    assert isinstance(element, Flat)
+    u, v = element.half_sizes
+    return u * ((2 * i - nx) / nx), v * ((2 * j - ny) / ny), "u", "v", "m", "m"
+
+
+@dataclass(frozen=True, eq=False)
+class DetectorResult:
+    """What a detector shows.
+
+    Parameters
+    ----------
+    power : Estimate
+        W, with the count of arrivals.
+    ladder : tuple of Rung or None
+        Power per generation, where asked for.
+    map : IrradianceMap or None
+        Where asked for.
+    """
+
+    power: Estimate
+    ladder: tuple[Rung, ...] | None
+    map: IrradianceMap | None
+
+    def summary(self) -> dict[str, Any]:
+        """Return what the summary says of the detector."""
+        out: dict[str, Any] = {"power": self.power.summary()}
+        if self.ladder is not None:
+            out["ladder"] = [rung.summary() for rung in self.ladder]
+        if self.map is not None:
+            out["map"] = self.map.summary()
+        return out
+
+    @classmethod
+    def of(cls, compiled: CompiledScene, tally: Accumulator, d: DetectorCells) -> DetectorResult:
+        """Return what a detector shows after the batches of `tally`."""
+
+        def estimates(first: int, n: int) -> list[Estimate]:
+            errors = tally.standard_error(first, n) * compiled.unit_power
+            known = tally.batches > 1
+            return [
+                Estimate(
+                    watts(compiled, tally.exact(first + k), tally.batches),
+                    float(errors[k]) if known else None,
+                    int(tally.count[first + k]),
+                )
+                for k in range(n)
+            ]
+
+        ladder = None
+        if d.n_generations:
+            ladder = tuple(
+                Rung(g, e.value, e.sigma, e.count or 0)
+                for g, e in enumerate(estimates(d.ladder, d.n_generations))
+            )
+        power = estimates(d.power, 1)[0]
+        return cls(power, ladder, IrradianceMap.of(compiled, tally, d) if d.nx else None)
+
+
+@dataclass(frozen=True, eq=False)
+class FarFieldResult:
+    """What escaped, by direction. Rows ascend in cos θ from −1, columns in φ from 0.
+
+    Parameters
+    ----------
+    intensity : ndarray, shape (n_mu, n_phi), float64
+        W/sr: power of the bin over its solid angle.
+    sigma : ndarray, shape (n_mu, n_phi), float64
+        Standard error of the intensity in W/sr; NaN with a single batch.
+    count : ndarray, shape (n_mu, n_phi), int64
+        Rays.
+    solid_angle : float
+        Of every bin, in sr.
+    mu_edges, phi_edges : ndarray, shapes (n_mu + 1,) and (n_phi + 1,)
+        Edges of the bins: cos θ, and φ in radians.
+    """
+
+    intensity: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+    count: NDArray[np.int64]
+    solid_angle: float
+    mu_edges: NDArray[np.float64]
+    phi_edges: NDArray[np.float64]
+
+    @property
+    def hatched(self) -> NDArray[np.bool_]:
+        """Bins with fewer than 10 rays, shape (n_mu, n_phi)."""
+        return self.count < LIT_COUNT
+
+    @property
+    def median_sigma(self) -> float | None:
+        """Median relative standard error of the lit bins; None with a single batch or none lit."""
+        lit = ~self.hatched
+        if not lit.any() or np.isnan(self.sigma).all():
+            return None
+        return float(np.median(self.sigma[lit] / self.intensity[lit]))
+
+    @classmethod
+    def of(cls, compiled: CompiledScene, tally: Accumulator, settings: FarField) -> FarFieldResult:
+        """Return the far field after the batches of `tally`."""
+        first = compiled.layout.far_field
+        n_mu, n_phi = settings.n_mu, settings.n_phi
+        shape, n = (n_mu, n_phi), n_mu * n_phi
+        watts_per_sr = compiled.unit_power / settings.solid_angle
+        return cls(
+            tally.mean(first, n).reshape(shape) * watts_per_sr,
+            tally.standard_error(first, n).reshape(shape) * watts_per_sr,
+            tally.count[first : first + n].reshape(shape).copy(),
+            settings.solid_angle,
+            (2 * np.arange(n_mu + 1) - n_mu) / n_mu,
+            2.0 * np.pi * np.arange(n_phi + 1) / n_phi,
+        )

@@ -1,0 +1,376 @@
+"""The result of a trace: ledger, detectors, far field, and how they came about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from photizon_cl.result.engine import engine_digest
+from photizon_cl.result.ledger import Ledger
+from photizon_cl.result.maps import DetectorResult, FarFieldResult
+from photizon_cl.result.stopping import Goal, achieved_sigma
+from photizon_cl.version import __version__
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Mapping, Sequence
+    from concurrent.futures import Executor
+
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from hostcode.device.device import DeviceRecord
+    from hostcode.program.plan import ExecutionPlan
+    from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.result.statistics import Accumulator
+    from photizon_cl.run.progress import Progress
+    from photizon_cl.scene.model import Scene
+
+__all__ = ["RESULT_SCHEMA", "Result", "RunInfo", "open_result"]
+
+RESULT_SCHEMA: Final = "photizon-result/1"
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """How a result came about.
+
+    Parameters
+    ----------
+    device : str
+        Label of the device; with an executor, that of the last worker heard.
+    precision : str
+        ``fp64``.
+    interactions : int
+        Surface interactions of the batches in the result. Where the last wave made more batches
+        than the goal needed, its share by number of batches.
+    seconds : float
+        Time on the host's clock, over all calls, without building programs.
+    build_seconds : float
+        Time that the device's compiler took, over all calls.
+    worst_closure : int
+        Largest |closure| of a batch, in units of 2^-95 launched weights.
+    goal : Goal
+        What the run was to reach.
+    history : tuple of (int, float, float or None)
+        Batches, seconds and σ achieved (None where there is none) as the run went on.
+    version, engine : str
+        Version of photizon_cl, and digest of the sources that fix the bits, that made the batches;
+        empty where an earlier version wrote the result.
+    stopped : str
+        What ended the last call: ``target``, ``batches``, ``time`` or ``interrupt``; empty while it
+        goes on, and in results of earlier versions.
+    """
+
+    device: str = ""
+    precision: str = "fp64"
+    interactions: int = 0
+    seconds: float = 0.0
+    build_seconds: float = 0.0
+    worst_closure: int = 0
+    goal: Goal = field(default_factory=Goal)
+    history: tuple[tuple[int, float, float | None], ...] = ()
+    stopped: str = ""
+    version: str = __version__
+    engine: str = field(default_factory=engine_digest)
+
+
+class Result:
+    """What a trace gives. Immutable: `refine` returns a new one.
+
+    Attributes
+    ----------
+    ledger : Ledger
+        Power by where it ended, in watts.
+    detectors : mapping of str to DetectorResult
+        By element, in the order of the scene.
+    far_field : FarFieldResult or None
+        Intensity by direction, in W/sr; None where the scene bins none.
+    scene : Scene
+        The scene as run, with the settings of this run.
+    info : RunInfo
+        Device, time, interactions.
+    """
+
+    def __init__(self, compiled: CompiledScene, tally: Accumulator, info: RunInfo) -> None:
+        self.compiled, self.tally, self.info = compiled, tally, info
+
+    def __repr__(self) -> str:
+        return (
+            f"<photizon_cl.Result {self.scene.name!r}: {self.batches} batches, {self.rays} rays, "
+            f"{self.tally_digest[:19]}…>"
+        )
+
+    def _repr_html_(self) -> str:
+        from photizon_cl.views.report.notebook import html
+
+        return html(self)
+
+    # -- what was run --------------------------------------------------------------------------
+
+    @property
+    def scene(self) -> Scene:
+        """The scene as run."""
+        return self.compiled.scene
+
+    @property
+    def batches(self) -> int:
+        """Batches in the result."""
+        return self.tally.batches
+
+    @property
+    def rays(self) -> int:
+        """Rays launched."""
+        return self.tally.batches * self.scene.run.rays_per_batch
+
+    @property
+    def tally_digest(self) -> str:
+        """``sha256:…`` over the exact tallies of all batches in order.
+
+        Two runs agree bit for bit exactly when their digests do.
+        """
+        return self.tally.digest
+
+    # -- what came out -------------------------------------------------------------------------
+
+    @cached_property
+    def ledger(self) -> Ledger:
+        """Where the power went, in watts."""
+        return Ledger.of(self.compiled, self.tally, self.info.worst_closure)
+
+    @cached_property
+    def detectors(self) -> Mapping[str, DetectorResult]:
+        """What each detector shows, by the name of its element."""
+        elements = self.scene.element
+        return {
+            elements[d.element].name: DetectorResult.of(self.compiled, self.tally, d)
+            for d in self.compiled.layout.detectors
+        }
+
+    @cached_property
+    def far_field(self) -> FarFieldResult | None:
+        """Intensity of what escaped, in W/sr; None where the scene has no far field."""
+        if self.scene.far_field is None:
+            return None
+        return FarFieldResult.of(self.compiled, self.tally, self.scene.far_field)
+
+    @cached_property
+    def achieved_sigma(self) -> float | None:
+        """Median relative standard error, see `photizon_cl.result.stopping.achieved_sigma`."""
+        return achieved_sigma(self.compiled.layout, self.tally)
+
+    @cached_property
+    def history(self) -> NDArray[np.void]:
+        """How σ fell: a row for waves in order, thinned where there are many.
+
+        Fields ``batches`` (int64), ``rays`` (int64), ``seconds`` (float64, on the host's clock) and
+        ``sigma`` (float64, the `achieved_sigma` then; NaN where there was none).
+        """
+        rows = np.array(
+            [
+                (b, b * self.scene.run.rays_per_batch, t, np.nan if s is None else s)
+                for b, t, s in self.info.history
+            ],
+            dtype=[("batches", "i8"), ("rays", "i8"), ("seconds", "f8"), ("sigma", "f8")],
+        )
+        rows.flags.writeable = False
+        return rows
+
+    @property
+    def recipe(self) -> str:
+        """A short token with which ``photizon run --recipe`` makes the same bits again."""
+        from photizon_cl.result.recipe import Recipe
+
+        return Recipe.of(self).token
+
+    @property
+    def target_sigma(self) -> float:
+        """The one that was asked for, or that of the scene."""
+        return self.scene.run.target_sigma
+
+    @property
+    def converged(self) -> bool:
+        """Whether the achieved σ meets the target."""
+        return self.achieved_sigma is not None and self.achieved_sigma <= self.target_sigma
+
+    @cached_property
+    def lit_fraction(self) -> float | None:
+        """Part of the map bins (of all maps, those with an area) with at least 10 arrivals.
+
+        None where the scene has no map.
+        """
+        maps = [d.map for d in self.detectors.values() if d.map is not None]
+        bins = sum(int(np.count_nonzero(~m.masked)) for m in maps)
+        return sum(int(np.count_nonzero(m.lit)) for m in maps) / bins if bins else None
+
+    @cached_property
+    def advisories(self) -> tuple[str, ...]:
+        """What deserves a second look: of the run, then of the scene."""
+        from photizon_cl.result.advisories import run_advisories
+
+        return (*run_advisories(self), *self.scene.advisories())
+
+    def summary(self) -> dict[str, Any]:
+        """Return the summary as plain values that JSON can hold.
+
+        Powers are in watts; a σ is None with a single batch, ``lit_fraction`` without a map.
+        """
+        run, info = self.scene.run, self.info
+        return {
+            "schema": RESULT_SCHEMA,
+            "scene": self.scene.name,
+            "scene_digest": self.scene.digest(),
+            "seed": run.seed,
+            "device": info.device,
+            "precision": info.precision,
+            "batches": self.batches,
+            "rays_per_batch": run.rays_per_batch,
+            "rays": self.rays,
+            "interactions": info.interactions,
+            "seconds": info.seconds,
+            "build_seconds": info.build_seconds,
+            "converged": self.converged,
+            "target_sigma": self.target_sigma,
+            "achieved_sigma": self.achieved_sigma,
+            "lit_fraction": self.lit_fraction,
+            "stopped": info.stopped or None,
+            "tally_digest": self.tally_digest,
+            "ledger": self.ledger.summary(),
+            "detectors": {name: d.summary() for name, d in self.detectors.items()},
+            "advisories": list(self.advisories),
+        }
+
+    def to_dataframe(self, detector: str | None = None) -> pd.DataFrame:
+        """Return the ledger, or a detector's ladder, as a data frame of pandas.
+
+        Maps and the far field have two dimensions and are in ``result.nc``, which xarray reads.
+
+        Parameters
+        ----------
+        detector : str, optional
+            Name of a detector with a ladder; without it, the ledger.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``row``, ``value_W``, ``sigma_W``, ``share``; of a ladder ``generation``,
+            ``value_W``, ``sigma_W``, ``share``, ``count``. A share is a part of the emitted power;
+            a σ is NaN with a single batch.
+
+        Raises
+        ------
+        ArgumentError
+            Where there is no such detector, or it has no ladder.
+        PhotizonError
+            Where pandas is not installed.
+        """
+        from photizon_cl.views.report.notebook import data_frame
+
+        return data_frame(self, detector)
+
+    # -- going on, keeping ---------------------------------------------------------------------
+
+    def refine(
+        self,
+        *,
+        target: float | None = None,
+        batches: int | None = None,
+        max_seconds: float | None = None,
+        device: DeviceRecord | str | int | None = None,
+        progress: Callable[[Progress], object] | None = None,
+        executor: Executor | None = None,
+        plan: ExecutionPlan | None = None,
+        checkpoint: str | os.PathLike[str] | None = None,
+    ) -> Result:
+        """Go on with the same stream and return the result of all batches; this one stays.
+
+        The outcome is bit for bit that of one uninterrupted run.
+
+        Parameters
+        ----------
+        target : float, optional
+            Relative standard error to reach.
+        batches : int, optional
+            Batches in all, the ones that are there included. Without either, the goal that the run
+            had holds.
+        max_seconds : float, optional
+            Seconds that this call may take.
+        device, progress, executor, plan, checkpoint : optional
+            As in `photizon_cl.trace`.
+
+        Raises
+        ------
+        ArgumentError
+            Where an argument is not valid, or `batches` are fewer than there are.
+        RunError
+            Where the run fails.
+        """
+        from photizon_cl.run.simulation import refine
+
+        return refine(
+            self,
+            target=target,
+            batches=batches,
+            max_seconds=max_seconds,
+            device=device,
+            progress=progress,
+            executor=executor,
+            plan=plan,
+            checkpoint=checkpoint,
+        )
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        figures: bool = True,
+        formats: str | Sequence[str] = ("png",),
+    ) -> None:
+        """Write the result into a directory, which is made where it is not there.
+
+        ``summary.json``, ``scene.toml`` (as run), ``result.nc`` (every array with its coordinates
+        and units, and the exact tallies that `refine` goes on from), ``ledger.csv`` and
+        ``detectors.csv`` (totals and ladders), ``recipe.txt`` and ``figures/``. Each file is
+        replaced in one step, and the run's checkpoint there goes. A result that is there already
+        is replaced, but for one with more batches of the same run; other files are left alone.
+
+        Parameters
+        ----------
+        path : str or path
+            The directory.
+        figures : bool, optional
+            Whether to draw figures.
+        formats : str or sequence of str, optional
+            In which formats: one or some of ``"png"``, ``"svg"`` and ``"pdf"``.
+
+        Raises
+        ------
+        ArgumentError
+            Where a format is another one.
+        ResultError
+            Where the directory holds files and no result, or cannot be written.
+        """
+        from photizon_cl.result.directory import save
+
+        save(self, path, figures=figures, formats=formats)
+
+
+def open_result(path: str | os.PathLike[str]) -> Result:
+    """Return a result that was saved.
+
+    Parameters
+    ----------
+    path : str or path
+        The directory, or the ``result.nc`` in it; both give the same numbers, to the bit.
+
+    Raises
+    ------
+    ResultError
+        Where there is no result, or it is damaged.
+    """
+    from photizon_cl.result.directory import open_result
+
+    return open_result(path)

@@ -1,0 +1,1 @@
+"""Tracing, probing and following rays; stopping, resuming, sharing among workers."""

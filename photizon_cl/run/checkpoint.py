@@ -1,0 +1,126 @@
+"""Checkpoints: what a run under way needs to go on after it was killed.
+
+``checkpoint.nc`` is a ``result.nc`` without the arrays: scene, goal and exact tallies. It is there
+while a run writes to its directory, from before the first batch on, and goes when the result is
+saved. Whatever the moment of death, the run goes on from a whole number of batches, and since a
+batch depends on nothing but its number, to the same bits.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from photizon_cl.atomic import Lock, reason, replacing, sweep
+from photizon_cl.errors import ArgumentError, ResultError, RunError, show
+from photizon_cl.result.directory import ARRAYS, CHECKPOINT, read, unfinished
+from photizon_cl.result.file import write_state
+from photizon_cl.scene.model import same_stream
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from photizon_cl.result.result import Result
+
+__all__ = ["Keeper", "latest"]
+
+PERIOD: Final = 2.0
+"""Seconds between checkpoints at least."""
+_SHARE: Final = 0.02
+"""Part of a run's time that checkpoints may take."""
+
+
+class Keeper:
+    """Writes the checkpoints of a run.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing directory.
+    start : Result
+        What the run starts from; written at once, so that its goal is known.
+
+    Raises
+    ------
+    RunError
+        Where a checkpoint cannot be written.
+    """
+
+    def __init__(self, folder: Path, start: Result) -> None:
+        self._file = folder / CHECKPOINT
+        import h5netcdf  # noqa: F401  (what is imported once is no part of a checkpoint's cost)
+        import xarray  # noqa: F401
+
+        try:
+            self._lock = Lock(folder)
+        except BlockingIOError:
+            raise ResultError(
+                f"{show(str(folder))} is being written to by another run: wait for it, or give "
+                "another directory"
+            ) from None
+        except OSError as error:
+            raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from None
+        sweep(folder)
+        self._cost = 0.0
+        try:
+            self._write(start)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Let other runs have the directory."""
+        self._lock.free()
+
+    def note(self, now: Callable[[], Result], *, last: bool = False) -> None:
+        """Write a checkpoint where one is due or the run ends; `now` gives the result so far."""
+        due = self._written + max(PERIOD, self._cost / _SHARE)
+        if last or time.perf_counter() >= due:
+            self._write(now())
+
+    def _write(self, result: Result) -> None:
+        started = time.perf_counter()
+        try:
+            with replacing(self._file) as temporary:
+                write_state(result, temporary)
+        except OSError as error:
+            raise RunError(
+                f"{show(str(self._file))} cannot be written: {reason(error)}; the "
+                "checkpoint before it, if there is one, is kept for `photizon resume`"
+            ) from error
+        self._written = time.perf_counter()
+        self._cost = self._written - started
+
+
+def latest(path: str | os.PathLike[str]) -> Result:
+    """Return what a directory's run has reached: its checkpoint, else its result.
+
+    The result may have no batch yet.
+
+    Raises
+    ------
+    ResultError
+        Where there is neither, or it is damaged.
+    """
+    if not str(path):
+        raise ArgumentError("DIR: found nothing, expected a directory")
+    folder = Path(os.fsdecode(path))
+    if folder.is_file():
+        raise ResultError(
+            f"{show(str(folder))} is a file: give the directory that `photizon run --out` wrote"
+        )
+    left = unfinished(folder)
+    if left is None and folder.is_dir() and not (folder / ARRAYS).exists():
+        raise ResultError(
+            f"{show(str(folder))} holds neither a result nor a checkpoint: give the directory "
+            "that `photizon run --out` wrote"
+        )
+    if left is not None and not (folder / ARRAYS).is_file():
+        return left
+    whole = read(folder)
+    if left is None:
+        return whole
+    # the same run begun anew over its own result: nothing that is there is lost
+    return whole if same_stream(whole.scene, left.scene) and whole.batches > left.batches else left

@@ -1,0 +1,153 @@
+"""The base of the description classes: frozen dataclasses whose fields are declared parameters.
+
+Construction in Python raises `SceneError` with every problem of the object. The file reader checks
+the same declarations one by one. Conditions between values are stated once for both, in
+`Described.cross_check`, over whatever values were good.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from photizon_cl.errors import Problem, SceneError, show
+from photizon_cl.scene.parameters import BAD, METADATA_KEY, Parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+@dataclass(frozen=True)
+class Known:
+    """The good values of an object that is being checked; others may have been refused.
+
+    Parameters
+    ----------
+    cls : type of Described
+        Class of the object.
+    values : mapping
+        Canonical values by field name. Nested objects stand here as `Known` themselves, lists of
+        them as tuples; a refused value is absent.
+    """
+
+    cls: type[Described]
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def kind(self) -> str:
+        """The kind of the object, as the file names it."""
+        return self.cls.kind
+
+    def get(self, field_name: str) -> Any:
+        """Return a good value, or None."""
+        return self.values.get(field_name)
+
+
+class Described:
+    """Base of the description classes: frozen dataclasses whose fields are declared parameters."""
+
+    kind: ClassVar[str] = ""
+    label: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        """Check every value and bring it to canonical form.
+
+        Raises
+        ------
+        SceneError
+            With every problem found.
+        """
+        cls = type(self)
+        problems: list[Problem] = []
+        values: dict[str, Any] = {}
+        for item, parameter in parameters_of(cls).items():
+            value = getattr(self, item)
+            if value is None and is_optional(cls, item):
+                values[item] = None
+                continue
+            read = parameter.read(value, item, problems)
+            if read is not BAD:
+                values[item] = _known(read)
+                object.__setattr__(self, item, read)
+        problems += cls.cross_check(Known(cls, values))
+        if problems:
+            owner = getattr(self, "name", None)
+            title = f"{cls.__name__} {show(owner)}" if isinstance(owner, str) else cls.__name__
+            raise SceneError(
+                dataclasses.replace(problem.under(cls.label), owner=problem.owner or title)
+                for problem in problems
+            )
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """Return the problems between values, each with a path relative to this object."""
+        return []
+
+
+def _known(value: object) -> Any:
+    if isinstance(value, Described):
+        cls = type(value)
+        return Known(cls, {item: _known(getattr(value, item)) for item in parameters_of(cls)})
+    if isinstance(value, tuple):
+        return tuple(_known(item) for item in value)
+    return value
+
+
+def parameters_of(cls: type[Described]) -> dict[str, Parameter]:
+    """Return the declared parameters of a class by name, in the order of its fields."""
+    declared = {item.name: item.metadata.get(METADATA_KEY) for item in _fields(cls)}
+    return {name: value for name, value in declared.items() if isinstance(value, Parameter)}
+
+
+def is_required(cls: type[Described], item: str) -> bool:
+    """Say whether a parameter has no default."""
+    entry = next(f for f in _fields(cls) if f.name == item)
+    missing = dataclasses.MISSING
+    return entry.default is missing and entry.default_factory is missing
+
+
+def is_optional(cls: type[Described], item: str) -> bool:
+    """Say whether a parameter may be absent, which its default None stands for."""
+    return any(f.name == item and f.default is None for f in _fields(cls))
+
+
+def _fields(cls: type[Described]) -> tuple[dataclasses.Field[Any], ...]:
+    return dataclasses.fields(cls)  # type: ignore[arg-type]  # every subclass is a dataclass
+
+
+class Nested(Parameter):
+    """Another description object, given as an instance (the reader builds it from a table)."""
+
+    def __init__(self, base: type[Described], article: str = "a", *, meaning: str = "") -> None:
+        super().__init__(meaning)
+        self.base = base
+        self._article = article
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return f"{self._article} {self.base.label}"
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if isinstance(value, self.base):
+            return value
+        hint = "call the class to make one" if isinstance(value, type) else ""
+        return self.refuse(value, path, problems, hint)
+
+
+class NestedList(Nested):
+    """A sequence of description objects, kept as a tuple."""
+
+    def __init__(self, base: type[Described], least: int, *, meaning: str = "") -> None:
+        super().__init__(base, meaning=meaning)
+        self.least = least
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return f"at least one {self.base.label}" if self.least else f"a list of {self.base.label}s"
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if not isinstance(value, list | tuple) or len(value) < self.least:
+            return self.refuse(value, path, problems)
+        items = [Nested.read(self, item, f"{path}[{i}]", problems) for i, item in enumerate(value)]
+        return BAD if any(item is BAD for item in items) else tuple(items)

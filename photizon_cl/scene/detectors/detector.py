@@ -1,0 +1,48 @@
+"""The detector that an absorbing element can carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Final
+
+from photizon_cl.scene.described import Described
+from photizon_cl.scene.parameters import choice, integer, integers
+
+SIDES: Final = ("inside", "outside")
+MAX_BINS: Final = 8192
+MAX_GENERATIONS: Final = 4096
+
+
+@dataclass(frozen=True, kw_only=True)
+class Detector(Described):
+    """A one-sided detector: total power, and on request an irradiance map and a generation ladder.
+
+    It stands on an absorber only, and counts the arrivals on the side that it faces: against the
+    normal of a flat element, on the named side of a curved one. The ledger's absorbed row counts
+    both sides whatever the detector does. ``Detector()`` is a power bucket.
+
+    Parameters
+    ----------
+    map : tuple of int, optional
+        ``(nx, ny)`` bins of the irradiance map (W/m², power over the exact area of the bin), each
+        1 … 8192: along u and v on a rectangle; along u and v over the bounding square on a disk;
+        in φ from u towards v and in cos θ about the axis on a sphere.
+    generations : int, optional
+        G entries of the ladder, 1 … 4096. Entry g is the power (W) that arrived after g surface
+        interactions; the last one collects g ≥ G − 1.
+    side : str, optional
+        ``"inside"`` or ``"outside"`` of a curved element; None takes the element's default, and
+        a flat element takes nothing else.
+    """
+
+    label: ClassVar[str] = "detector"
+    kind: ClassVar[str] = "detector"
+    kernel: ClassVar[str] = "detector"
+
+    map: tuple[int, int] | None = field(
+        default=None, metadata=integers(1, MAX_BINS, "[nx, ny]", "bins of the irradiance map")
+    )
+    generations: int | None = field(
+        default=None, metadata=integer(1, MAX_GENERATIONS, "entries of the generation ladder")
+    )
+    side: str | None = field(default=None, metadata=choice(SIDES, "side of a curved element"))

@@ -1,0 +1,145 @@
+"""The square tube with baffles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from photizon_cl.errors import Problem, show
+from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.parameters import integer, number, positive_length
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.described import Known
+    from photizon_cl.scene.frames import Vec3
+
+_ROUNDOFF: Final = 2.0**-53
+MAX_BAFFLES: Final = 4096
+CLEAR_RANGE: Final = "a length from 0 to half_width in metres"
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaffledTube(Element):
+    """A tube of square section, open at both ends, with thin plates across it.
+
+    `position` is the centre of the square entrance and `axis` points from the entrance to the exit.
+    Baffle i of N stands at length·i/(N + 1): a square plate over the whole section with a centred
+    square hole of half-width `clear_half_width`, whose rim belongs to the plate. Normals of the
+    walls point away from the axis, those of the baffles along it. Without baffles and with mirror
+    walls it is a light pipe.
+
+    Parameters
+    ----------
+    half_width : float
+        Half the side of the section, in metres.
+    length : float
+        Length in metres.
+    baffles : int, optional
+        N, 0 … 4096.
+    clear_half_width : float, optional
+        Half the side of the holes in metres, at most `half_width`. Required where there are
+        baffles, ignored where there are none.
+    """
+
+    kind: ClassVar[str] = "baffled-tube"
+    kernel: ClassVar[str] = "baffled_tube"
+    family: ClassVar[str] = "walls"
+    has_map: ClassVar[bool] = False
+    default_side: ClassVar[str] = "inside"
+    faces_at_a_point: ClassVar[int] = 3
+
+    half_width: float = field(metadata=positive_length("half the side of the section"))
+    length: float = field(metadata=positive_length("length"))
+    baffles: int = field(default=0, metadata=integer(0, MAX_BAFFLES, "number of baffles"))
+    clear_half_width: float | None = field(
+        default=None,
+        metadata=number(CLEAR_RANGE, 0.0, 1e150, "half the side of the baffles' holes", "m"),
+    )
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """Check the holes against the tube."""
+        problems = super().cross_check(known)
+        clear, half = known.get("clear_half_width"), known.get("half_width")
+        if known.get("baffles"):
+            if clear is None:
+                problems.append(
+                    Problem("clear_half_width", "nothing", CLEAR_RANGE, hint="baffles need a hole")
+                )
+            elif clear is not None and half is not None and clear > half:
+                problems.append(
+                    Problem(
+                        "clear_half_width",
+                        show(clear),
+                        f"at most half_width, {show(half)}",
+                        hint="the hole cannot be wider than the tube",
+                    )
+                )
+        return problems
+
+    @classmethod
+    def wall_reason(cls, known: Known) -> str:
+        """Say why a tube cannot be a Fresnel surface."""
+        return "a tube is a wall, not a solid with an inside of glass; take a wall's surface"
+
+    @property
+    def reach(self) -> float:
+        """Distance in metres from the centre of the entrance to the exit's corners."""
+        return math.hypot(self.half_width, self.half_width, self.length)
+
+    @property
+    def baffle_positions(self) -> tuple[float, ...]:
+        """Distances of the baffles from the entrance in metres."""
+        return tuple(self.length * (i + 1) / (self.baffles + 1) for i in range(self.baffles))
+
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        h = self.half_width
+        return (-h, -h, 0.0), (h, h, self.length)
+
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return the sizes with their bounds, see ``kernels/elements/baffled_tube.mako``."""
+        rounding = 4.0 * _ROUNDOFF * max(map(abs, centre))
+        near = rounding + 4.0 * _ROUNDOFF * self.half_width
+        # a tilted tube's coordinates are sums of products as large as its length
+        inside = 0.5 * near
+        if axis is None:
+            inside = 2.0 * near + 4.0 * _ROUNDOFF * self.length
+        clear = self.clear_half_width if self.baffles and self.clear_half_width is not None else 0.0
+        return (
+            self.half_width,
+            self.half_width + near,
+            self.half_width - inside,
+            self.length,
+            float(self.baffles),
+            clear - near,
+            rounding,
+        )
+
+    @property
+    def area(self) -> float:
+        """Area of one side of the walls and of the baffles in m²."""
+        clear = self.clear_half_width or 0.0
+        plate = 4.0 * (self.half_width - clear) * (self.half_width + clear)
+        return 8.0 * self.half_width * self.length + self.baffles * plate
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the area and where the baffles stand."""
+        out = {"area of walls and baffles": (self.area, "m²")}
+        for i, at in enumerate(self.baffle_positions[:8]):
+            out[f"baffle {i + 1} at"] = (at, "m")
+        return out
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
+        """Say whether a local point lies on a wall or a baffle to within `slack` metres."""
+        u, v, w = abs(local[0]), abs(local[1]), local[2]
+        if not -slack <= w <= self.length + slack or max(u, v) > self.half_width + slack:
+            return False
+        if abs(max(u, v) - self.half_width) <= slack:
+            return True
+        clear = self.clear_half_width or 0.0
+        return max(u, v) >= clear - slack and any(
+            abs(w - at) <= slack for at in self.baffle_positions
+        )

@@ -1,0 +1,203 @@
+"""What all elements share."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar
+
+from photizon_cl.errors import Problem, show
+from photizon_cl.scene.described import Described, Known, Nested
+from photizon_cl.scene.detectors import Detector
+from photizon_cl.scene.frames import Frame, Vec3, frame, to_local
+from photizon_cl.scene.parameters import declare, point, signed_axis, tilt, unique_name
+from photizon_cl.scene.surfaces import Surface
+
+_ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bring it to a face
+
+
+@dataclass(frozen=True, kw_only=True)
+class Element(Described):
+    """A piece of geometry with one surface and, where that is an absorber, perhaps a detector.
+
+    Parameters
+    ----------
+    name : str
+        Unique among the scene's elements.
+    position : tuple of float
+        Where the element sits, in metres; each kind says which of its points that is.
+    axis : str
+        Direction of the local w axis, one of ``+x -x +y -y +z -z``.
+    tilt_deg : tuple of float, optional
+        ``(a, b)`` in degrees, see `photizon_cl.scene.frames`.
+    surface : Surface
+        What a ray that hits it does.
+    detector : Detector, optional
+        On absorbers only.
+    """
+
+    label: ClassVar[str] = "element"
+    kind: ClassVar[str] = ""
+    kernel: ClassVar[str] = ""
+    family: ClassVar[str]
+    """How the kernels see it: ``flat``, ``sphere``, ``solid`` or ``walls``."""
+    flat: ClassVar[bool] = False
+    """Whether a detector's side is set by the normal alone."""
+    faces_at_a_point: ClassVar[int] = 1
+    """How many of its faces may meet at one point."""
+    has_map: ClassVar[bool]
+    """Whether a detector may have a map."""
+    default_side: ClassVar[str] = "front"
+    """Side that a detector counts when it names none."""
+
+    name: str = field(metadata=unique_name("unique among the elements"))
+    position: Vec3 = field(metadata=point("where the element sits"))
+    axis: str = field(metadata=signed_axis("direction of the local w axis"))
+    tilt_deg: tuple[float, float] = field(default=(0.0, 0.0), metadata=tilt())
+    surface: Surface = field(
+        metadata=declare(Nested(Surface, meaning="what a ray that hits it does"))
+    )
+    detector: Detector | None = field(
+        default=None, metadata=declare(Nested(Detector, meaning="what is counted"))
+    )
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """Check the surface and the detector against each other and against the geometry."""
+        surface, detector = known.get("surface"), known.get("detector")
+        problems: list[Problem] = []
+        if surface is not None and surface.kind == "fresnel":
+            wall = cls.wall_reason(known)
+            if wall:
+                problems.append(
+                    Problem(
+                        "surface.kind",
+                        show("fresnel"),
+                        'one of "absorber" "mirror" "lambertian"',
+                        hint=wall,
+                    )
+                )
+        if detector is None:
+            return problems
+        if surface is not None and surface.kind not in ("", "absorber"):
+            given = {k: v for k, v in detector.values.items() if v is not None}
+            problems.append(
+                Problem(
+                    "detector",
+                    show(given),
+                    f"no detector on a {surface.kind} surface",
+                    hint="a detector counts what ends on it, and only on an absorber everything "
+                    "that arrives ends; put it on an absorber",
+                )
+            )
+        if cls.flat and detector.get("side") is not None:
+            problems.append(
+                Problem(
+                    "detector.side",
+                    show(detector.get("side")),
+                    f"no side on a {cls.kind}",
+                    hint="a flat detector counts arrivals against its normal; turn its axis",
+                )
+            )
+        if not cls.has_map and detector.get("map") is not None:
+            problems.append(
+                Problem(
+                    "detector.map",
+                    show(detector.get("map")),
+                    f"no map on a {cls.kind}",
+                    hint="maps exist on rectangle, disk and sphere",
+                )
+            )
+        return problems
+
+    @classmethod
+    def wall_reason(cls, known: Known) -> str:
+        """Say why this is a wall and cannot be a Fresnel surface; empty where it can."""
+        return ""
+
+    @cached_property
+    def frame(self) -> Frame:
+        """Rows (u, v, w) of the local frame in world coordinates."""
+        return frame(self.axis, self.tilt_deg)
+
+    @property
+    def detector_side(self) -> str | None:
+        """Side that the detector counts: front, inside or outside; None without a detector."""
+        if self.detector is None:
+            return None
+        return self.detector.side or self.default_side
+
+    @property
+    def ported(self) -> bool:
+        """Whether a part of it is cut out, so that the device tests for the opening."""
+        return False
+
+    @property
+    def class_axis(self) -> int | None:
+        """World axis (0, 1, 2) that its kernel is specialised to; None for the general one."""
+        return None
+
+    @property
+    @abstractmethod
+    def reach(self) -> float:
+        """Radius in metres of a ball around `position` that holds the element."""
+
+    @property
+    @abstractmethod
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+
+    @abstractmethod
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return columns 3 and on of its row in the geometry table, as its kernel names them.
+
+        Parameters
+        ----------
+        centre : tuple of float
+            Size of each coordinate of `position`, in the world's or the device's coordinates,
+            whichever is larger, in metres: what rounding bounds follow.
+        axis : int or None
+            World axis that its kernel is specialised to; None for the general one.
+        """
+
+    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
+        """Return the edges of a map's bins along u and along v, as the kernels want them."""
+        raise NotImplementedError  # only elements with `has_map` are asked
+
+    @property
+    @abstractmethod
+    def area(self) -> float:
+        """Area of one side of the surface in m²."""
+
+    @abstractmethod
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return derived quantities: name → (value, unit)."""
+
+    @abstractmethod
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
+        """Say whether a point lies on the surface.
+
+        Parameters
+        ----------
+        local : tuple of float
+            The point in local coordinates, in metres.
+        slack : float
+            Distance in metres that counts as rounding.
+        reach : float, optional
+            Metres by which the outline of a flat element is widened in its plane.
+        """
+
+    def local(self, point: Vec3) -> Vec3:
+        """Return a world point in local coordinates."""
+        x, y, z = (a - b for a, b in zip(point, self.position, strict=True))
+        return to_local(self.frame, (x, y, z))
+
+    def rounding(self, point: Vec3) -> float:
+        """Return the distance in metres that rounding may make of none for a world point."""
+        local = map(abs, self.local(point))
+        return _ROUNDING * max(*map(abs, point), *map(abs, self.position), *local)
+
+    def holds(self, point: Vec3) -> bool:
+        """Say whether a world point lies on the surface within rounding."""
+        return self.touches(self.local(point), self.rounding(point))

@@ -1,0 +1,103 @@
+"""The biconvex lens."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+from photizon_cl.scene.elements.lens import (
+    Lens,
+    cap_area,
+    centre_depth,
+    on_cap,
+    rounding_columns,
+    sag,
+)
+from photizon_cl.scene.parameters import positive_length
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.frames import Vec3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Biconvex(Lens):
+    """The intersection of two balls that meet in a circle.
+
+    `position` is the centre of the rim circle and `axis` points to the front vertex. The glass is
+    as thick on the axis as both sags together. Faces are closed and share the rim.
+
+    Parameters
+    ----------
+    front_radius : float
+        Radius in metres of the ball whose cap is on the side of the axis.
+    back_radius : float
+        Radius in metres of the other ball.
+    aperture_radius : float
+        Radius a of the rim in metres, at most the smaller ball's.
+    """
+
+    kind: ClassVar[str] = "biconvex"
+    kernel: ClassVar[str] = "biconvex"
+    radii: ClassVar[tuple[str, ...]] = ("front_radius", "back_radius")
+
+    front_radius: float = field(metadata=positive_length("radius of the front ball"))
+    back_radius: float = field(metadata=positive_length("radius of the back ball"))
+    aperture_radius: float = field(metadata=positive_length("radius of the rim"))
+
+    @property
+    def thickness(self) -> float:
+        """Thickness on the axis in metres."""
+        return sag(self.front_radius, self.aperture_radius) + sag(
+            self.back_radius, self.aperture_radius
+        )
+
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around the rim's centre that holds it."""
+        return self.aperture_radius
+
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        a = self.aperture_radius
+        return (-a, -a, -sag(self.back_radius, a)), (a, a, sag(self.front_radius, a))
+
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return the caps' columns, see ``kernels/elements/biconvex.mako``."""
+        a, front, back = self.aperture_radius, self.front_radius, self.back_radius
+        near, relative = rounding_columns(centre)
+        return (
+            a,
+            centre_depth(front, a),
+            1.0 / front,
+            a * a,
+            near,
+            front,
+            relative,
+            centre_depth(back, a),
+            1.0 / back,
+            back,
+        )
+
+    @property
+    def area(self) -> float:
+        """Area of both faces in m²."""
+        a = self.aperture_radius
+        return cap_area(self.front_radius, a) + cap_area(self.back_radius, a)
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the sags, the thickness and the area."""
+        a = self.aperture_radius
+        return {
+            "front sag": (sag(self.front_radius, a), "m"),
+            "back sag": (sag(self.back_radius, a), "m"),
+            "thickness": (self.thickness, "m"),
+            "area": (self.area, "m²"),
+        }
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
+        """Say whether a local point lies on a face to within `slack` metres."""
+        a = self.aperture_radius
+        return on_cap(local, self.front_radius, a, 1.0, slack) or on_cap(
+            local, self.back_radius, a, -1.0, slack
+        )

@@ -1,0 +1,141 @@
+"""The compound parabolic concentrator."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Final
+
+import numpy as np
+
+from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.frames import sincos_deg
+from photizon_cl.scene.parameters import number, positive_length
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.described import Known
+    from photizon_cl.scene.frames import Vec3
+
+_ROUNDOFF: Final = 2.0**-53
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cpc(Element):
+    """The wall of a compound parabolic concentrator (CPC), open at both ends.
+
+    `position` is the centre of the exit aperture (radius a') and `axis` points from the exit to the
+    entrance. A parabola, tilted by the acceptance angle θa, with its focus on the opposite rim of
+    the exit, turns about the axis. With r the distance from the axis and z along it::
+
+        (r cos θa + z sin θa)² + 2a'(1 + sin θa)² r − 2a' cos θa (2 + sin θa) z
+            − a'²(1 + sin θa)(3 + sin θa) = 0,   0 ≤ z ≤ L
+
+    (R. Winston, J. C. Miñano, P. Benítez, Nonimaging Optics, 2005, ch. 4). The entrance radius is
+    a = a'/sin θa and the length L = (a + a')/tan θa. Normals point away from the axis.
+
+    Parameters
+    ----------
+    exit_radius : float
+        a' in metres.
+    acceptance_deg : float
+        θa in degrees, from 0.01 to 89.99.
+    """
+
+    kind: ClassVar[str] = "cpc"
+    kernel: ClassVar[str] = "cpc"
+    family: ClassVar[str] = "walls"
+    has_map: ClassVar[bool] = False
+    default_side: ClassVar[str] = "inside"
+
+    exit_radius: float = field(metadata=positive_length("radius of the exit aperture"))
+    acceptance_deg: float = field(
+        metadata=number(
+            "an angle from 0.01 to 89.99 degrees", 0.01, 89.99, "acceptance half-angle", "deg"
+        )
+    )
+
+    @classmethod
+    def wall_reason(cls, known: Known) -> str:
+        """Say why a CPC cannot be a Fresnel surface."""
+        return "a CPC is a wall, not a solid with an inside of glass; take a wall's surface"
+
+    @property
+    def entrance_radius(self) -> float:
+        """Entrance radius a = a'/sin θa in metres."""
+        return self.exit_radius / sincos_deg(self.acceptance_deg)[0]
+
+    @property
+    def length(self) -> float:
+        """Length L = (a + a')/tan θa in metres."""
+        sine, cosine = sincos_deg(self.acceptance_deg)
+        return (self.entrance_radius + self.exit_radius) * cosine / sine
+
+    @property
+    def concentration(self) -> float:
+        """Geometric concentration 1/sin² θa."""
+        return 1.0 / sincos_deg(self.acceptance_deg)[0] ** 2
+
+    @property
+    def reach(self) -> float:
+        """Distance in metres from the centre of the exit to the entrance's rim."""
+        return math.hypot(self.entrance_radius, self.length)
+
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        a = self.entrance_radius
+        return (-a, -a, 0.0), (a, a, self.length)
+
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return the profile's coefficients, lengths scaled, see ``kernels/elements/cpc.mako``."""
+        scale = math.ldexp(1.0, -math.frexp(self.exit_radius)[1])
+        s, c = sincos_deg(self.acceptance_deg)
+        a1, length = self.exit_radius * scale, self.length * scale
+        b = 2.0 * a1 * (1.0 + s) ** 2
+        d = 2.0 * a1 * c * (2.0 + s)
+        e = a1 * a1 * (1.0 + s) * (3.0 + s)
+        alpha = b * b + 4.0 * c * c * e
+        beta = 4.0 * c * (s * b + c * d)
+        outer = self.entrance_radius * scale
+        far = max(map(abs, centre)) * scale
+        rounding = 4.0 * _ROUNDOFF * (far + outer)
+        return (a1, length, c, s, b, d, e, alpha, beta, outer + rounding, scale, rounding)
+
+    def radius_at(self, z: float) -> float:
+        """Return the wall's radius in metres at a height above the exit, 0 ≤ z ≤ L."""
+        scale = math.ldexp(1.0, -math.frexp(self.exit_radius)[1])
+        _, _, c, s, b, d, e, alpha, beta, *_ = self.packed((0.0, 0.0, 0.0), None)
+        z *= scale
+        q = e + z * (d - s * s * z)
+        return 2.0 * q / (2.0 * c * s * z + b + math.sqrt(alpha + beta * z)) / scale
+
+    @property
+    def area(self) -> float:
+        """Area of the wall in m², by Gauss-Legendre quadrature of 2πR·ds."""
+        nodes, weights = np.polynomial.legendre.leggauss(64)
+        _, length, c, s, b, d, _, _, _, _, scale, _ = self.packed((0.0, 0.0, 0.0), None)
+        total = 0.0
+        for node, weight in zip(nodes, weights, strict=True):
+            z = 0.5 * length * (1.0 + float(node))
+            r = self.radius_at(z / scale) * scale
+            w = c * r + s * z
+            slope = (d - 2.0 * s * w) / (2.0 * c * w + b)
+            total += float(weight) * 0.5 * length * 2.0 * math.pi * r * math.hypot(1.0, slope)
+        return total / (scale * scale)
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the entrance, the length and the concentration."""
+        return {
+            "entrance radius": (self.entrance_radius, "m"),
+            "length": (self.length, "m"),
+            "geometric concentration": (self.concentration, ""),
+            "wall area": (self.area, "m²"),
+        }
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
+        """Say whether a local point lies on the wall to within `slack` metres."""
+        x, y, z = local
+        if not -slack <= z <= self.length + slack:
+            return False
+        at = min(max(z, 0.0), self.length)
+        return abs(math.hypot(x, y) - self.radius_at(at)) <= slack

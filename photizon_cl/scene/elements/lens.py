@@ -1,0 +1,81 @@
+"""What lenses share: caps of balls that meet a plane in a circle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from photizon_cl.errors import Problem, show
+from photizon_cl.scene.elements.base import Element
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.described import Known
+    from photizon_cl.scene.frames import Vec3
+
+ROUNDOFF: Final = 2.0**-53
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lens(Element):
+    """A solid bounded by caps; its surface is one property, its normals point out of the glass."""
+
+    family: ClassVar[str] = "solid"
+    has_map: ClassVar[bool] = False
+    default_side: ClassVar[str] = "outside"
+    faces_at_a_point: ClassVar[int] = 2
+    radii: ClassVar[tuple[str, ...]] = ()
+    """Names of its parameters that are radii of curvature."""
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """Check that the aperture fits the balls."""
+        problems = super().cross_check(known)
+        aperture = known.get("aperture_radius")
+        for name in cls.radii:
+            radius: Any = known.get(name)
+            if aperture is not None and radius is not None and aperture > radius:
+                problems.append(
+                    Problem(
+                        "aperture_radius",
+                        show(aperture),
+                        f"at most {name}, {show(radius)}",
+                        hint="a cap cannot be wider than its ball; equal makes a hemisphere",
+                    )
+                )
+        return problems
+
+
+def centre_depth(radius: float, aperture: float) -> float:
+    """Return sqrt(R² − a²) in metres, the distance of the ball's centre from the rim's plane.
+
+    Correctly rounded up to the square root's own rounding: the difference is taken exactly.
+    """
+    square = Fraction(radius) ** 2 - Fraction(aperture) ** 2
+    return math.sqrt(square)
+
+
+def sag(radius: float, aperture: float) -> float:
+    """Return the height of the cap in metres, R − sqrt(R² − a²), without cancellation."""
+    return aperture * aperture / (radius + centre_depth(radius, aperture))
+
+
+def cap_area(radius: float, aperture: float) -> float:
+    """Return the area of the cap in m², 2πR·sag."""
+    return 2.0 * math.pi * radius * sag(radius, aperture)
+
+
+def on_cap(local: Vec3, radius: float, aperture: float, sign: float, slack: float) -> bool:
+    """Say whether a local point lies on the cap on one side of the rim's plane."""
+    x, y, z = local[0], local[1], sign * local[2]
+    if z < -slack:
+        return False
+    depth = centre_depth(radius, aperture)
+    off = x * x + y * y + z * z + 2.0 * depth * z - aperture * aperture
+    return abs(off) <= 2.0 * radius * slack
+
+
+def rounding_columns(centre: Vec3) -> tuple[float, float]:
+    """Return the rounding bound of a coordinate near the lens: absolute, and relative."""
+    return 4.0 * ROUNDOFF * max(map(abs, centre)), 4.0 * ROUNDOFF

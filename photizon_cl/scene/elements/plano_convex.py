@@ -1,0 +1,87 @@
+"""The plano-convex lens."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+from photizon_cl.scene.elements.lens import (
+    Lens,
+    cap_area,
+    centre_depth,
+    on_cap,
+    rounding_columns,
+    sag,
+)
+from photizon_cl.scene.parameters import positive_length
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.frames import Vec3
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanoConvex(Lens):
+    """The cap of a ball, cut off by a plane.
+
+    `position` is the centre of the flat face and `axis` points to the convex vertex; the ball has
+    its centre sqrt(R² − a²) behind the flat face and the glass is as thick as the sag,
+    R − sqrt(R² − a²). Faces are closed and share the rim.
+
+    Parameters
+    ----------
+    curvature_radius : float
+        R in metres.
+    aperture_radius : float
+        Radius a of the flat face in metres, at most R (a hemisphere).
+    """
+
+    kind: ClassVar[str] = "plano-convex"
+    kernel: ClassVar[str] = "plano_convex"
+    radii: ClassVar[tuple[str, ...]] = ("curvature_radius",)
+
+    curvature_radius: float = field(metadata=positive_length("radius of the ball"))
+    aperture_radius: float = field(metadata=positive_length("radius of the flat face"))
+
+    @property
+    def thickness(self) -> float:
+        """Thickness on the axis in metres: the sag."""
+        return sag(self.curvature_radius, self.aperture_radius)
+
+    @property
+    def reach(self) -> float:
+        """Distance in metres from the centre of the flat face to the farthest point."""
+        return self.aperture_radius
+
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        a = self.aperture_radius
+        return (-a, -a, 0.0), (a, a, self.thickness)
+
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return the cap's columns, see ``kernels/elements/plano_convex.mako``."""
+        radius, a = self.curvature_radius, self.aperture_radius
+        near, relative = rounding_columns(centre)
+        return (a, centre_depth(radius, a), 1.0 / radius, a * a, near, radius, relative)
+
+    @property
+    def area(self) -> float:
+        """Area of both faces in m²."""
+        return math.pi * self.aperture_radius**2 + cap_area(
+            self.curvature_radius, self.aperture_radius
+        )
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the thickness and the areas."""
+        return {
+            "sag and thickness": (self.thickness, "m"),
+            "area": (self.area, "m²"),
+        }
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
+        """Say whether a local point lies on a face to within `slack` metres."""
+        flat = abs(local[2]) <= slack
+        if flat and math.hypot(local[0], local[1]) <= self.aperture_radius + slack:
+            return True
+        return on_cap(local, self.curvature_radius, self.aperture_radius, 1.0, slack)

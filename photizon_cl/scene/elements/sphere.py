@@ -1,0 +1,152 @@
+"""The sphere, whole or with a circular port."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+from photizon_cl.errors import Problem, show
+from photizon_cl.scene.edges import azimuth_edges, even_edges
+from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.parameters import number, positive_length
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.described import Known
+    from photizon_cl.scene.frames import Vec3
+
+SMALLEST_PORT = 1e-16  # below about half of this, 1 − 2f rounds to 1
+_ROUNDOFF = 2.0**-53
+PORT_RANGE = "0, or a number from 1e-16 up to but not including 1"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sphere(Element):
+    """A sphere of radius R, without the port: points of |p| = R with cos θ ≤ cos θ_port.
+
+    `position` is the centre; the port is the cap around +w that holds the fraction f of the whole
+    area, so that cos θ_port = 1 − 2f (Archimedes: the area of a cap is proportional to its
+    height). The rim belongs to the wall. Normals point away from the centre, also for a ray that
+    comes from inside.
+
+    Parameters
+    ----------
+    radius : float
+        R in metres.
+    port_fraction : float, optional
+        f, 0 for a whole sphere. A sphere with a port is a wall and refuses `fresnel`.
+    """
+
+    kind: ClassVar[str] = "sphere"
+    kernel: ClassVar[str] = "sphere"
+    family: ClassVar[str] = "sphere"
+    flat: ClassVar[bool] = False
+    has_map: ClassVar[bool] = True
+    default_side: ClassVar[str] = "inside"
+
+    radius: float = field(metadata=positive_length("radius"))
+    port_fraction: float = field(
+        default=0.0,
+        metadata=number(
+            PORT_RANGE, 0.0, 1.0, "part of the sphere's area that is open", open_high=True
+        ),
+    )
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """Refuse ports that cos θ_port cannot tell from none, and Fresnel walls."""
+        problems = super().cross_check(known)
+        f = known.get("port_fraction")
+        if f and f < SMALLEST_PORT:
+            hint = "cos θ_port = 1 − 2f would round to 1, a sphere without a port"
+            problems.append(Problem("port_fraction", show(f), PORT_RANGE, hint=hint))
+        return problems
+
+    @classmethod
+    def wall_reason(cls, known: Known) -> str:
+        """Say why a sphere with a port cannot be a Fresnel surface."""
+        if (known.get("port_fraction") or 0.0) < SMALLEST_PORT:
+            return ""
+        return (
+            "a sphere with a port is a wall, not a solid with glass inside; "
+            "close the port or take another surface"
+        )
+
+    @property
+    def ported(self) -> bool:
+        """Whether it has a port."""
+        return self.port_fraction > 0.0
+
+    @property
+    def reach(self) -> float:
+        """Its radius in metres."""
+        return self.radius
+
+    @property
+    def local_box(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner in local coordinates, in metres."""
+        r = self.radius
+        return (-r, -r, -r), (r, r, r)
+
+    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
+        """Return the radius and what follows from it, see ``kernels/elements/sphere.mako``."""
+        radius, far = self.radius, max(map(abs, centre))
+        rim = radius * self.cos_port + 4.0 * _ROUNDOFF * (radius + far)
+        on_surface = 8.0 * _ROUNDOFF * radius * (radius + far)
+        return (radius, 1.0 / (radius * radius), 1.0 / radius, rim, on_surface)
+
+    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
+        """Return cosine and sine of the edges in φ, and edges in metres along the axis."""
+        return azimuth_edges(nx), even_edges(-self.radius, self.radius, ny)
+
+    @property
+    def cos_port(self) -> float:
+        """Cosine of the port's polar angle, 1 − 2f; 1 for a whole sphere."""
+        return 1.0 - 2.0 * self.port_fraction
+
+    @property
+    def area(self) -> float:
+        """Area of the wall in m², 4πR²(1 − f)."""
+        return 4.0 * math.pi * self.radius * self.radius * (1.0 - self.port_fraction)
+
+    @property
+    def port_area(self) -> float:
+        """Area of the cap that the port removes in m², 4πR²f."""
+        return 4.0 * math.pi * self.radius * self.radius * self.port_fraction
+
+    @property
+    def port_radius(self) -> float:
+        """Radius of the port's rim in metres, 2R·sqrt(f(1 − f))."""
+        return 2.0 * self.radius * math.sqrt(self.port_fraction * (1.0 - self.port_fraction))
+
+    @property
+    def multiplier(self) -> float | None:
+        """Sphere multiplier 1/(1 − ρ(1 − f)) of a Lambertian wall, else None; infinite at ρ = 1.
+
+        D. G. Goebel, Generalized Integrating-Sphere Theory, Applied Optics 6, 125 (1967).
+        """
+        if self.surface.kind != "lambertian":
+            return None
+        rho = getattr(self.surface, "reflectance", 0.0)
+        rest = 1.0 - rho * (1.0 - self.port_fraction)
+        return 1.0 / rest if rest > 0.0 else math.inf
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the areas, the port and, for a diffuse wall, the sphere multiplier."""
+        out = {"wall area": (self.area, "m²")}
+        if self.port_fraction > 0.0:
+            out["cos θ_port"] = (self.cos_port, "")
+            out["port angle"] = (math.degrees(math.acos(self.cos_port)), "deg")
+            out["port radius"] = (self.port_radius, "m")
+            out["port area"] = (self.port_area, "m²")
+        if self.multiplier is not None:
+            out["sphere multiplier"] = (self.multiplier, "")
+        return out
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
+        """Say whether a local point lies on the wall, see `Element.touches`."""
+        near = abs(math.hypot(*local) - self.radius) <= slack
+        # The rim belongs to the wall.
+        return near and (
+            self.port_fraction == 0.0 or local[2] <= self.cos_port * self.radius + slack
+        )

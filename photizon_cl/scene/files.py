@@ -1,0 +1,166 @@
+"""Scene files: TOML and JSON in, TOML and JSON out."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from photizon_cl.errors import Problem, SceneError, show
+from photizon_cl.scene.model import Scene
+from photizon_cl.scene.presets import preset_names, preset_path
+from photizon_cl.scene.reader import RepeatedKeys, read_scene
+
+_SUFFIXES: Final = (".toml", ".json")
+_LARGEST_FILE: Final = 2**24  # bytes; a scene file is text that somebody wrote
+_TOML_PLACE: Final = re.compile(r" ?\(at (line \d+, column \d+|end of document)\)$")
+
+
+def load(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
+    """Load a scene.
+
+    Parameters
+    ----------
+    source : str, path, mapping or Scene
+        A preset's name, the path of a ``.toml`` or ``.json`` file, the tables of one, or a scene,
+        which is returned as it is. A preset's name goes before a file of the same name.
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene, or with every problem that it has.
+    """
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, Mapping):
+        return read_scene(source)
+    if isinstance(source, str) and source in preset_names():
+        return _load_file(preset_path(source))
+    if not isinstance(source, str | os.PathLike):
+        raise SceneError(
+            [Problem("scene", show(source), "a preset's name, a path, a table or a Scene")]
+        )
+    path = Path(os.fsdecode(source))
+    if isinstance(source, str) and path.suffix.lower() not in _SUFFIXES and not _exists(path):
+        near = difflib.get_close_matches(source.lower(), preset_names(), 1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        hint += f"the presets are {', '.join(preset_names())}"
+        found = f"{show(source)}, which is neither a preset nor a file"
+        raise SceneError([Problem("scene", found, "a preset's name or a scene file", hint=hint)])
+    return _load_file(path)
+
+
+def to_toml(scene: Scene) -> str:
+    """Return the scene as the text of a TOML file; `load` reads back an equal scene."""
+    import tomli_w
+
+    # Multi-line strings would turn carriage returns into line feeds.
+    multiline = "\r" not in scene.notes + scene.title
+    return tomli_w.dumps(scene.to_dict(), multiline_strings=multiline)
+
+
+def to_json(scene: Scene) -> str:
+    """Return the scene as the text of a JSON file; `load` reads back an equal scene."""
+    return json.dumps(scene.to_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):  # a name too long, or with a NUL
+        return False
+
+
+def _load_file(path: Path) -> Scene:
+    file = str(path) if str(path).isprintable() else show(str(path))
+    text = _read_text(path, file)
+    tables = _parse_toml(text, file) if path.suffix.lower() == ".toml" else _parse_json(text, file)
+    return read_scene(tables, file)
+
+
+def _fail(file: str, found: str, expected: str, hint: str = "", place: str = "") -> SceneError:
+    return SceneError([Problem(place, found, expected, file=file, hint=hint)])
+
+
+def _read_text(path: Path, file: str) -> str:
+    expected = "a scene file in TOML or JSON"
+    try:
+        if path.is_dir():
+            raise _fail(file, "a directory", expected)
+        if path.suffix.lower() not in _SUFFIXES:
+            hint = "the ending says which of the two it is"
+            raise _fail(
+                file, f"the ending {show(path.suffix)}", "a file that ends in .toml or .json", hint
+            )
+        if not path.exists():
+            raise _fail(file, "no such file", expected, "check the path, or see the presets")
+        if not path.is_file():
+            raise _fail(file, "something that is not a regular file", expected)
+        if path.stat().st_size > _LARGEST_FILE:
+            raise _fail(file, f"{path.stat().st_size} bytes", f"at most {_LARGEST_FILE} bytes")
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:
+        if isinstance(error, SceneError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise _fail(file, f"a file that cannot be read: {reason}", expected) from None
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        found = f"the byte 0x{data[error.start]:02x}, which is not UTF-8"
+        raise _fail(
+            file, found, "text in UTF-8", "save the file as UTF-8", f"line {line}"
+        ) from None
+    if not text.strip():
+        raise _fail(file, "an empty file", expected, "start from a preset's file")
+    return text
+
+
+def _parse_toml(text: str, file: str) -> object:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        message = str(error)
+        match = _TOML_PLACE.search(message)
+        reason = message[: match.start()] if match else message
+        place = _line_and_column(text, match.group(1)) if match else ""
+        raise _fail(file, "a syntax error", "valid TOML", _one_line(reason), place) from None
+    except (ValueError, RecursionError) as error:
+        raise _fail(file, "a syntax error", "valid TOML", _parser_limit(error)) from None
+
+
+def _parse_json(text: str, file: str) -> object:
+    try:
+        return json.loads(text, object_pairs_hook=_json_object)
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno}, column {error.colno}"
+        raise _fail(file, "a syntax error", "valid JSON", _one_line(error.msg), place) from None
+    except (ValueError, RecursionError) as error:
+        raise _fail(file, "a syntax error", "valid JSON", _parser_limit(error)) from None
+
+
+def _json_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    plain = dict(pairs)
+    return plain if len(plain) == len(pairs) else RepeatedKeys(pairs)
+
+
+def _line_and_column(text: str, place: str) -> str:
+    if place != "end of document":
+        return place
+    return f"line {text.count(chr(10)) + 1}, column {len(text) - text.rfind(chr(10))}"
+
+
+def _one_line(text: str) -> str:
+    return show(text)[1:-1]
+
+
+def _parser_limit(error: Exception) -> str:
+    if isinstance(error, RecursionError):
+        return "tables or arrays are nested too deeply"
+    return "an integer has too many digits" if "digits" in str(error) else _one_line(str(error))

@@ -1,0 +1,179 @@
+"""The scene: what is simulated, validated and immutable."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from photizon_cl.errors import Problem, show
+from photizon_cl.scene.described import Described, Known, Nested, NestedList, parameters_of
+from photizon_cl.scene.elements import Element
+from photizon_cl.scene.parameters import declare, free_text, unique_name
+from photizon_cl.scene.settings import FarField, RunSettings
+from photizon_cl.scene.sources import Source
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["SCHEMA", "FarField", "RunSettings", "Scene", "between_objects", "same_stream"]
+
+SCHEMA: Final = "photizon/1"
+
+_LABELS: Final = ("name", "title", "notes")
+_WHEN_TO_STOP: Final = ("target_sigma", "max_seconds")
+
+
+@dataclass(frozen=True)
+class Scene(Described):
+    """Sources, elements, and how to run them.
+
+    Parameters
+    ----------
+    name : str
+        Short name.
+    source : sequence of Source
+        At least one; names unique; a share in all of them or in none.
+    element : sequence of Element, optional
+        Names unique. Of two that are hit at the same distance the first is hit.
+    run : RunSettings, optional
+        How the scene is run by default.
+    far_field : FarField, optional
+        Bins for what escapes; None bins nothing.
+    title : str, optional
+        One line for people.
+    notes : str, optional
+        Free text.
+
+    Raises
+    ------
+    SceneError
+        With every problem found.
+    """
+
+    label: ClassVar[str] = ""
+
+    name: str = field(metadata=unique_name("short name"))
+    source: tuple[Source, ...] = field(metadata=declare(NestedList(Source, 1)))
+    element: tuple[Element, ...] = field(default=(), metadata=declare(NestedList(Element, 0)))
+    run: RunSettings = field(
+        default_factory=RunSettings, metadata=declare(Nested(RunSettings, "the settings of a"))
+    )
+    far_field: FarField | None = field(default=None, metadata=declare(Nested(FarField)))
+    title: str = field(default="", metadata=free_text("one line for people"))
+    notes: str = field(default="", metadata=free_text("free text"))
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """Check names and shares across sources and elements."""
+        return between_objects(known.get("source") or (), known.get("element") or ())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the scene as the file format's tables, which `photizon_cl.load` reads back.
+
+        Every default is written out; what is absent (far field, detector, share, zero tilt) stays
+        absent.
+        """
+        out: dict[str, Any] = {"schema": SCHEMA, "name": self.name}
+        for item in ("title", "notes"):
+            if getattr(self, item):
+                out[item] = getattr(self, item)
+        out["run"] = _table(self.run)
+        if self.far_field is not None:
+            out["far_field"] = _table(self.far_field)
+        out["source"] = [_table(source) for source in self.source]
+        if self.element:
+            out["element"] = [_table(element) for element in self.element]
+        return out
+
+    def digest(self) -> str:
+        """Return ``sha256:…`` over what determines the stream and the rows of its results.
+
+        Included: every source and element with its name, in file order, the far-field bins, and
+        of ``[run]`` seed, rays_per_batch, generation_cap and roulette_floor. Left out: name,
+        title, notes, and target_sigma and max_seconds, which only decide when to stop. Defaults
+        count as written out; floats enter by their exact hexadecimal value.
+        """
+        table = {k: v for k, v in self.to_dict().items() if k not in _LABELS}
+        table["run"] = {k: v for k, v in table["run"].items() if k not in _WHEN_TO_STOP}
+        text = json.dumps(
+            _canonical(table), sort_keys=True, separators=(",", ":"), ensure_ascii=True
+        )
+        return "sha256:" + hashlib.sha256(text.encode("ascii")).hexdigest()
+
+    def advisories(self) -> list[str]:
+        """Return what is valid and yet probably not meant, one sentence each."""
+        from photizon_cl.checks.advisories import advisories
+
+        return advisories(self)
+
+
+def same_stream(a: Scene, b: Scene) -> bool:
+    """Say whether two scenes as run launch the very same rays and tally them in the same rows.
+
+    Their batches of the same number are then equal. When to stop may differ.
+    """
+    return a.digest() == b.digest()  # the seed is part of it
+
+
+def between_objects(
+    sources: Sequence[Known | None], elements: Sequence[Known | None]
+) -> list[Problem]:
+    """Return the problems between a scene's objects: names used twice, shares given by some.
+
+    Parameters
+    ----------
+    sources, elements : sequence of Known or None
+        In file order; None where an entry could not be read at all.
+    """
+    problems = _duplicates("source", sources) + _duplicates("element", elements)
+    given = [i for i, known in enumerate(sources) if known and known.get("share") is not None]
+    if given:
+        for i, known in enumerate(sources):
+            # A share that was refused is absent from the values: it has its own problem already.
+            if known and "share" in known.values and known.get("share") is None:
+                hint = f"source[{given[0]}] gives one: a share is given by all sources or by none"
+                problems.append(Problem(f"source[{i}].share", "nothing", "a share", hint=hint))
+    return problems
+
+
+def _duplicates(label: str, objects: Sequence[Known | None]) -> list[Problem]:
+    first: dict[str, int] = {}
+    problems = []
+    for i, known in enumerate(objects):
+        used = known.get("name") if known else None
+        if used is None:
+            continue
+        if used in first:
+            expected = f"a name that no other {label} has"
+            hint = f"{label}[{first[used]}] has it already"
+            problems.append(Problem(f"{label}[{i}].name", show(used), expected, hint=hint))
+        else:
+            first[used] = i
+    return problems
+
+
+def _table(item: Described) -> dict[str, Any]:
+    """Return an object as a table of the file, kind after name, without what is absent."""
+    values: dict[str, Any] = {}
+    for key in parameters_of(type(item)):
+        value = getattr(item, key)
+        if value is None or (key == "tilt_deg" and value == (0.0, 0.0)):
+            continue
+        if isinstance(value, Described):
+            values[key] = _table(value)
+        else:
+            values[key] = list(value) if isinstance(value, tuple) else value
+    if not item.kind or item.kind == item.label:
+        return values
+    head = {"name": values.pop("name")} if "name" in values else {}
+    return {**head, "kind": item.kind, **values}
+
+
+def _canonical(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {k: _canonical(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_canonical(v) for v in value]
+    return value.hex() if isinstance(value, float) else value

@@ -1,0 +1,343 @@
+"""How the description classes declare their parameters, and how values are checked against them.
+
+A parameter is a dataclass field whose metadata says what it accepts::
+
+    @dataclass(frozen=True, kw_only=True)
+    class Disk(Element):
+        radius: float = field(metadata=positive_length("radius"))
+
+The same declarations serve construction in Python (`photizon_cl.scene.described`) and the file
+reader (`photizon_cl.scene.reader`), which goes on after a bad value so that one pass reports
+everything.
+
+Numbers: booleans and strings are not numbers; integers are accepted where a number is wanted;
+NaN and infinities are refused, and so are magnitudes whose squares overflow or vanish in fp64.
+A negative zero is read as zero.
+"""
+
+from __future__ import annotations
+
+import math
+import unicodedata
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from numbers import Integral, Real
+from typing import Any, Final
+
+from photizon_cl.errors import Problem, show
+from photizon_cl.scene.frames import AXES
+
+BAD: Final = object()
+"""What `Parameter.read` returns for a value that was refused."""
+
+SMALLEST: Final = 1e-150
+LARGEST: Final = 1e150
+"""Range of lengths and powers: beyond it, squares leave the range of fp64."""
+
+NAME_LENGTH: Final = 64
+
+METADATA_KEY = "photizon_cl"
+
+
+class Parameter(ABC):
+    """What a value must be.
+
+    Parameters
+    ----------
+    meaning : str
+        What the parameter is, for documentation.
+    unit : str
+        Its unit, empty for pure numbers.
+    """
+
+    def __init__(self, meaning: str = "", unit: str = "") -> None:
+        self.meaning = meaning
+        self.unit = unit
+
+    @property
+    @abstractmethod
+    def expected(self) -> str:
+        """What is accepted, as a phrase that follows "expected"."""
+
+    @abstractmethod
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:
+        """Return the canonical value, or add to `problems` and return `BAD`."""
+
+    def refuse(self, value: object, path: str, problems: list[Problem], hint: str = "") -> Any:
+        """Add the problem of a refused value and return `BAD`."""
+        problems.append(Problem(path, show(value), self.expected, hint=hint))
+        return BAD
+
+
+class Number(Parameter):
+    """A finite real number in an interval, read as a float."""
+
+    def __init__(
+        self,
+        expected: str,
+        low: float,
+        high: float,
+        *,
+        open_low: bool = False,
+        open_high: bool = False,
+        meaning: str = "",
+        unit: str = "",
+        hint: str = "",
+    ) -> None:
+        super().__init__(meaning, unit)
+        self._expected = expected
+        self._low, self._high = low, high
+        self._open_low, self._open_high = open_low, open_high
+        self._hint = hint
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return self._expected
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if isinstance(value, bool) or not isinstance(value, Real):
+            return self.refuse(value, path, problems, _not_a_number(value))
+        try:
+            number = float(value) + 0.0  # the sum turns -0.0 into 0.0
+        except OverflowError:
+            return self.refuse(value, path, problems, "too large for a double")
+        if not math.isfinite(number):
+            return self.refuse(value, path, problems, "it must be finite")
+        if number < self._low or (self._open_low and number == self._low):
+            return self.refuse(value, path, problems, self._hint)
+        if number > self._high or (self._open_high and number == self._high):
+            return self.refuse(value, path, problems, self._hint)
+        return number
+
+
+class Integer(Parameter):
+    """An integer in a closed range."""
+
+    def __init__(self, low: int, high: int, high_text: str = "", *, meaning: str = "") -> None:
+        super().__init__(meaning)
+        self._low, self._high = low, high
+        self._expected = f"an integer from {low} to {high_text or high}"
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return self._expected
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if isinstance(value, bool) or not isinstance(value, Integral):
+            hint = _not_a_number(value)
+            if isinstance(value, float) and value.is_integer() and abs(value) < 2.0**63:
+                hint = f"write {int(value)}, without a decimal point or exponent"
+            return self.refuse(value, path, problems, hint)
+        number = int(value)
+        if not self._low <= number <= self._high:
+            return self.refuse(value, path, problems)
+        return number
+
+
+class Array(Parameter):
+    """A fixed number of values of one kind, read as a tuple."""
+
+    def __init__(
+        self, expected: str, item: Parameter, count: int, *, meaning: str = "", unit: str = ""
+    ) -> None:
+        super().__init__(meaning, unit)
+        self._expected = expected
+        self._item = item
+        self._count = count
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return self._expected
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        to_list = getattr(value, "tolist", None)  # a numpy array
+        listed = to_list() if callable(to_list) else value
+        if isinstance(listed, str | bytes) or not isinstance(listed, Sequence):
+            return self.refuse(value, path, problems)
+        if len(listed) != self._count:
+            return self.refuse(
+                value, path, problems, f"it has {len(listed)} of {self._count} values"
+            )
+        items = [self._item.read(item, f"{path}[{i}]", problems) for i, item in enumerate(listed)]
+        return BAD if any(item is BAD for item in items) else tuple(items)
+
+
+class Choice(Parameter):
+    """One of a few words."""
+
+    def __init__(self, options: Sequence[str], *, meaning: str = "") -> None:
+        super().__init__(meaning)
+        self._options = tuple(options)
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return "one of " + " ".join(show(option) for option in self._options)
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if isinstance(value, str) and value in self._options:
+            return str(value)
+        return self.refuse(value, path, problems)
+
+
+class Name(Parameter):
+    """A name: one printable line of at most 64 characters, in Unicode normal form C.
+
+    Slashes and a leading dot are refused because names become variables of the result file and
+    parts of file names.
+    """
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return f"a name of 1 to {NAME_LENGTH} printable characters"
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if not isinstance(value, str):
+            return self.refuse(value, path, problems, "write it in quotes")
+        name = unicodedata.normalize("NFC", str(value))
+        hint = ""
+        if not name:
+            hint = "it is empty"
+        elif len(name) > NAME_LENGTH:
+            hint = f"it has {len(name)} characters"
+        elif not name.isprintable():
+            hint = "it holds a control or unprintable character"
+        elif name != name.strip():
+            hint = "it begins or ends with a space"
+        elif "/" in name or "\\" in name or name.startswith("."):
+            hint = "slashes and a leading dot are refused, as names become parts of file names"
+        return self.refuse(value, path, problems, hint) if hint else name
+
+
+class Text(Parameter):
+    """Free text without control characters other than tab and line breaks."""
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return "text"
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if not isinstance(value, str):
+            return self.refuse(value, path, problems, "write it in quotes")
+        # Cc: control, Cs: lone surrogates, which no file can hold.
+        if any(unicodedata.category(c) in ("Cc", "Cs") and c not in "\t\n\r" for c in value):
+            return self.refuse(value, path, problems, "it holds a control character")
+        return str(value)
+
+
+def _not_a_number(value: object) -> str:
+    if isinstance(value, bool):
+        return "a boolean is not a number"
+    if isinstance(value, str):
+        return (
+            "write the number without quotes" if _looks_numeric(value) else "text is not a number"
+        )
+    return ""
+
+
+def _looks_numeric(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+# --- Declarations: each returns the metadata of a dataclass field -------------------------------
+
+
+def declare(parameter: Parameter) -> dict[str, Parameter]:
+    """Return the field metadata that declares `parameter`."""
+    return {METADATA_KEY: parameter}
+
+
+def positive_length(meaning: str) -> dict[str, Parameter]:
+    """Declare a positive length in metres."""
+    text = "a positive length in metres, from 1e-150 to 1e150"
+    return declare(Number(text, SMALLEST, LARGEST, meaning=meaning, unit="m"))
+
+
+def positive_power(meaning: str) -> dict[str, Parameter]:
+    """Declare a positive power in watts."""
+    text = "a positive power in watts, from 1e-150 to 1e150"
+    return declare(Number(text, SMALLEST, LARGEST, meaning=meaning, unit="W"))
+
+
+def positive_number(meaning: str) -> dict[str, Parameter]:
+    """Declare a positive pure number."""
+    text = "a positive number, from 1e-150 to 1e150"
+    return declare(Number(text, SMALLEST, LARGEST, meaning=meaning))
+
+
+def fraction(meaning: str, hint: str = "") -> dict[str, Parameter]:
+    """Declare a number in [0, 1]."""
+    return declare(Number("a number in [0, 1]", 0.0, 1.0, meaning=meaning, hint=hint))
+
+
+def refractive_index(meaning: str) -> dict[str, Parameter]:
+    """Declare a refractive index, 0.001 to 1000."""
+    text = "a refractive index, a number from 0.001 to 1000"
+    return declare(Number(text, 1e-3, 1e3, meaning=meaning))
+
+
+def number(
+    expected: str,
+    low: float,
+    high: float,
+    meaning: str,
+    unit: str = "",
+    *,
+    open_low: bool = False,
+    open_high: bool = False,
+) -> dict[str, Parameter]:
+    """Declare a number in an interval; ``open_low`` and ``open_high`` leave an end out."""
+    return declare(
+        Number(
+            expected, low, high, open_low=open_low, open_high=open_high, meaning=meaning, unit=unit
+        )
+    )
+
+
+def integer(low: int, high: int, meaning: str, high_text: str = "") -> dict[str, Parameter]:
+    """Declare an integer in a closed range."""
+    return declare(Integer(low, high, high_text, meaning=meaning))
+
+
+def integers(low: int, high: int, names: str, meaning: str) -> dict[str, Parameter]:
+    """Declare a pair of integers, each in a closed range."""
+    text = f"two integers {names}, each from {low} to {high}"
+    return declare(Array(text, Integer(low, high), 2, meaning=meaning))
+
+
+def point(meaning: str) -> dict[str, Parameter]:
+    """Declare a point in the world, in metres."""
+    item = Number("a coordinate in metres, from -1e150 to 1e150", -LARGEST, LARGEST)
+    return declare(
+        Array("three coordinates [x, y, z] in metres", item, 3, meaning=meaning, unit="m")
+    )
+
+
+def tilt() -> dict[str, Parameter]:
+    """Declare the two tilt angles, in degrees."""
+    item = Number("an angle in degrees, from -360 to 360", -360.0, 360.0)
+    text = "two angles [a, b] in degrees"
+    return declare(Array(text, item, 2, meaning="turns about the untilted u, then v", unit="deg"))
+
+
+def signed_axis(meaning: str) -> dict[str, Parameter]:
+    """Declare one of the six signed coordinate axes."""
+    return declare(Choice(AXES, meaning=meaning))
+
+
+def choice(options: Sequence[str], meaning: str) -> dict[str, Parameter]:
+    """Declare one of a few words."""
+    return declare(Choice(options, meaning=meaning))
+
+
+def unique_name(meaning: str) -> dict[str, Parameter]:
+    """Declare a name."""
+    return declare(Name(meaning))
+
+
+def free_text(meaning: str) -> dict[str, Parameter]:
+    """Declare free text."""
+    return declare(Text(meaning))

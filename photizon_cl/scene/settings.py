@@ -1,0 +1,91 @@
+"""How a scene is run by default, and how its far field is binned."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar, Final
+
+from photizon_cl.scene.described import Described
+from photizon_cl.scene.parameters import fraction, integer, number
+
+MAX_SEED: Final = 2**64 - 1
+MAX_RAYS_PER_BATCH: Final = 2**24
+MAX_GENERATION_CAP: Final = 2**20 - 1
+MAX_FAR_FIELD_BINS: Final = 8192
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunSettings(Described):
+    """The ``[run]`` table: how the scene is run unless a call says otherwise.
+
+    Parameters
+    ----------
+    seed : int
+        Key of the random stream, 0 … 2^64 − 1.
+    rays_per_batch : int
+        Rays launched in a batch, 1 … 2^24.
+    target_sigma : float
+        Median relative standard error at which a run stops, in (0, 1].
+    max_seconds : float
+        Time at which a run stops, in (0, 1e9] seconds.
+    generation_cap : int
+        Interactions that are made of a ray and its descendants, 1 … 2^20 − 1.
+    roulette_floor : float
+        Weight relative to the launched one below which roulette is played, in [0, 1]; 0 is off.
+    """
+
+    label: ClassVar[str] = "run"
+
+    seed: int = field(default=1, metadata=integer(0, MAX_SEED, "random stream", "2^64 - 1"))
+    rays_per_batch: int = field(
+        default=65536, metadata=integer(1, MAX_RAYS_PER_BATCH, "rays launched in a batch")
+    )
+    target_sigma: float = field(
+        default=0.05,
+        metadata=number(
+            "a number in (0, 1]", 0.0, 1.0, "relative standard error to stop at", open_low=True
+        ),
+    )
+    max_seconds: float = field(
+        default=60.0,
+        metadata=number(
+            "a positive time in seconds, up to 1e9", 0.0, 1e9, "time to stop at", "s", open_low=True
+        ),
+    )
+    generation_cap: int = field(
+        default=32, metadata=integer(1, MAX_GENERATION_CAP, "interactions made of a ray")
+    )
+    roulette_floor: float = field(
+        default=0.0,
+        metadata=fraction("relative weight below which roulette is played", "0 switches it off"),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class FarField(Described):
+    """The ``[far_field]`` table: bins for what escapes, of equal solid angle.
+
+    Uniform in cos θ (θ from world +z, ascending from −1) and in φ (from +x towards +y, from 0).
+
+    Parameters
+    ----------
+    n_mu : int
+        Bins in cos θ, 1 … 8192.
+    n_phi : int
+        Bins in φ, 1 … 8192.
+    """
+
+    label: ClassVar[str] = "far_field"
+
+    n_mu: int = field(default=40, metadata=integer(1, MAX_FAR_FIELD_BINS, "bins in cos θ"))
+    n_phi: int = field(default=32, metadata=integer(1, MAX_FAR_FIELD_BINS, "bins in φ"))
+
+    @property
+    def solid_angle(self) -> float:
+        """Solid angle of a bin, (2/n_mu)(2π/n_phi), in steradians."""
+        return 2.0 / self.n_mu * (2.0 * math.pi / self.n_phi)
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the solid angle of a bin."""
+        return {"bin solid angle": (self.solid_angle, "sr")}

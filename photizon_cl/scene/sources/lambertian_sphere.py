@@ -1,0 +1,56 @@
+"""The diffusely shining sphere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from photizon_cl.scene.parameters import positive_length
+from photizon_cl.scene.sources.base import Source
+
+
+@dataclass(frozen=True, kw_only=True)
+class LambertianSphere(Source):
+    """A spherical shell of uniform radiance L that shines outward.
+
+    Points uniform by area, directions with density cos θ/π about the outward normal.
+    Φ = πL·4πr². The shell does not block light, its own included.
+
+    Parameters
+    ----------
+    radius : float
+        r in metres.
+    """
+
+    kind: ClassVar[str] = "lambertian-sphere"
+    kernel: ClassVar[str] = "lambertian_sphere"
+
+    radius: float = field(metadata=positive_length("radius"))
+
+    def packed(self) -> tuple[float, ...]:
+        """Return ``(radius,)``."""
+        return (self.radius,)
+
+    @property
+    def area(self) -> float:
+        """Emitting area 4πr² in m²."""
+        return 4.0 * math.pi * self.radius * self.radius
+
+    @property
+    def radiant_exitance(self) -> float:
+        """M = Φ/4πr² in W/m²."""
+        return self.flux / self.area
+
+    @property
+    def radiance(self) -> float:
+        """L = M/π in W/(m² sr)."""
+        return self.radiant_exitance / math.pi
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return area, radiant exitance and radiance."""
+        return {
+            "area": (self.area, "m²"),
+            "radiant exitance": (self.radiant_exitance, "W/m²"),
+            "radiance": (self.radiance, "W/(m² sr)"),
+        }

@@ -1,0 +1,19 @@
+"""The ideal absorber."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from photizon_cl.scene.surfaces.base import Surface
+
+
+@dataclass(frozen=True)
+class Absorber(Surface):
+    """A black surface: the whole weight of every arrival ends here, from either side.
+
+    The only surface that can carry a detector. It makes no draw and takes no parameter.
+    """
+
+    kind: ClassVar[str] = "absorber"
+    kernel: ClassVar[str] = "absorber"

@@ -1,0 +1,44 @@
+"""The ideal diffuse reflector."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from photizon_cl.scene.parameters import fraction
+from photizon_cl.scene.surfaces.base import Surface
+
+
+@dataclass(frozen=True)
+class Lambertian(Surface):
+    """An ideal diffuse surface: equal radiance in every direction of the side that was hit.
+
+    The direction leaves with density cos θ/π per steradian about the normal of that side
+    (Lambert's law; BRDF ρ/π), and the weight is multiplied by the reflectance; 1 − ρ of it is
+    absorbed by the element.
+
+    Parameters
+    ----------
+    reflectance : float
+        Hemispherical reflectance ρ in [0, 1].
+    """
+
+    kind: ClassVar[str] = "lambertian"
+    kernel: ClassVar[str] = "lambertian"
+
+    reflectance: float = field(
+        metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
+    )
+
+    def packed(self) -> tuple[float, ...]:
+        """Return ``(reflectance,)``."""
+        return (self.reflectance,)
+
+    @property
+    def absorptance(self) -> float:
+        """Part of each arrival that the element absorbs, 1 − ρ."""
+        return 1.0 - self.reflectance
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the absorptance."""
+        return {"absorptance": (self.absorptance, "")}

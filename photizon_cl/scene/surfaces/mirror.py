@@ -1,0 +1,43 @@
+"""The ideal specular reflector."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from photizon_cl.scene.parameters import fraction
+from photizon_cl.scene.surfaces.base import Surface
+
+
+@dataclass(frozen=True)
+class Mirror(Surface):
+    """A specular surface with one reflectance for every angle, reflecting on both sides.
+
+    With n the unit normal, a direction d leaves as d − 2(d·n)n and its weight is multiplied by
+    the reflectance; 1 − ρ of it is absorbed by the element. No draw is made.
+
+    Parameters
+    ----------
+    reflectance : float
+        ρ in [0, 1].
+    """
+
+    kind: ClassVar[str] = "mirror"
+    kernel: ClassVar[str] = "mirror"
+
+    reflectance: float = field(
+        metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
+    )
+
+    def packed(self) -> tuple[float, ...]:
+        """Return ``(reflectance,)``."""
+        return (self.reflectance,)
+
+    @property
+    def absorptance(self) -> float:
+        """Part of each arrival that the element absorbs, 1 − ρ."""
+        return 1.0 - self.reflectance
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return the absorptance."""
+        return {"absorptance": (self.absorptance, "")}

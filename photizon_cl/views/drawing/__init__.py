@@ -1,0 +1,1 @@
+"""Drawings of a scene with traced ray paths."""

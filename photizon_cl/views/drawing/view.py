@@ -1,0 +1,143 @@
+"""What of a scene and its paths a drawing shows: the box, the scale, and rays clipped to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from photizon_cl.geometry.outlines import edges
+from photizon_cl.scene.sources import IsotropicPoint, LambertianSphere
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from photizon_cl.run.pathing import Paths
+    from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.sources import Source
+
+__all__ = [
+    "FAINTEST",
+    "Box",
+    "ShownRays",
+    "bounding_box",
+    "is_directed",
+    "shown_rays",
+    "source_outline",
+]
+
+FAINTEST: Final = 1e-6
+"""Weight relative to the heaviest launched ray below which a segment is not drawn."""
+_MARGIN: Final = 0.07
+_TURN: Final = np.linspace(0.0, 2.0 * np.pi, 91)
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """The part of space that is shown.
+
+    Parameters
+    ----------
+    low, high : ndarray, shape (3,), float64
+        Its corners in metres.
+    centre : ndarray, shape (3,), float64
+        Centre of the scene in metres; the sections go through it.
+    scale : float
+        Units of `unit` in a metre.
+    unit : str
+        Length with an SI prefix in which the scene has one to three digits.
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    scale: float
+    unit: str
+
+    @property
+    def extent(self) -> NDArray[np.float64]:
+        """Its edges in metres."""
+        return np.asarray(self.high - self.low)
+
+
+def bounding_box(scene: Scene) -> Box:
+    """Return a box around every element and source, with a margin for what escapes."""
+    solid = [line for element in scene.element for line in edges(element)]
+    lamps = [line for source in scene.source for line in source_outline(source)]
+    every = np.vstack(solid + lamps)
+    body = np.vstack(solid or lamps)
+    low, high = every.min(axis=0), every.max(axis=0)
+    extent = high - low
+    size = float(extent.max()) or 1.0
+    # Room for what escapes; less across a scene that is long and thin, which it would drown.
+    margin = np.where(extent > 0.04 * size, np.minimum(0.3 * extent, _MARGIN * size), 0.05 * size)
+    units = ((1e-3, "km"), (1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
+    scale, unit = next(((s, u) for s, u in units if size * s >= 1.0), units[-1])
+    centre = 0.5 * (body.min(axis=0) + body.max(axis=0))
+    return Box(low - margin, high + margin, centre, scale, unit)
+
+
+def source_outline(source: Source) -> list[NDArray[np.float64]]:
+    """Return the lines that show a source's size, shape (k, 3), in metres; a point for a point."""
+    at = np.array(source.position)
+    if not source.packed():
+        return [at[np.newaxis]]
+    radius = source.packed()[0]
+    u, v, w = np.array(source.frame)
+    circles = [(u, v), (v, w), (w, u)] if isinstance(source, LambertianSphere) else [(u, v)]
+    return [
+        at + radius * (np.outer(np.cos(_TURN), a) + np.outer(np.sin(_TURN), b)) for a, b in circles
+    ]
+
+
+def is_directed(source: Source) -> bool:
+    """Say whether a source shines to one side, which an arrow then shows."""
+    return not isinstance(source, IsotropicPoint | LambertianSphere)
+
+
+@dataclass(frozen=True, eq=False)
+class ShownRays:
+    """Segments that are drawn, strongest last.
+
+    Parameters
+    ----------
+    start, end : ndarray, shape (n, 3), float64
+        In metres, clipped to the box.
+    weight, generation : ndarray, shape (n,)
+        See `photizon_cl.Paths`.
+    faint : int
+        Segments that are left out because they carry less than `FAINTEST`.
+    """
+
+    start: NDArray[np.float64]
+    end: NDArray[np.float64]
+    weight: NDArray[np.float64]
+    generation: NDArray[np.int64]
+    faint: int
+
+
+def shown_rays(found: Paths, box: Box) -> ShownRays:
+    """Return the segments to draw; those that escape go on to the edge of the box."""
+    start, end = found.start, found.end.copy()
+    out = found.escaped
+    end[out] = start[out] + _way_out(start[out], (end - start)[out], box)
+    strong = found.weight >= FAINTEST
+    order = np.flatnonzero(strong)[np.argsort(found.weight[strong], kind="stable")]
+    return ShownRays(
+        start[order],
+        end[order],
+        found.weight[order],
+        found.generation[order],
+        int(np.count_nonzero(~strong)),
+    )
+
+
+def _way_out(
+    start: NDArray[np.float64], along: NDArray[np.float64], box: Box
+) -> NDArray[np.float64]:
+    """Return what leads from a point inside the box to its edge."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        to_faces = np.maximum((box.low - start) / along, (box.high - start) / along)
+    steps = np.where(along != 0.0, to_faces, np.inf).min(axis=1, initial=np.inf)
+    return np.asarray(along * np.maximum(steps, 0.0)[:, np.newaxis])

@@ -1,0 +1,47 @@
+"""Figures of a result, drawn without a display and without matplotlib's global state.
+
+Each function draws one figure and returns it as a `matplotlib.figure.Figure`, to be changed or
+saved as one likes. `write_all` writes every figure of a result, as PNG, SVG or PDF. Bins are drawn
+as they are, never smoothed or interpolated, and are hatched where fewer than 10 rays arrived.
+
+===========================  =====================================================
+``draw_irradiance``          map of a detector's irradiance
+``draw_relative_sigma``      σ over irradiance of each bin of that map
+``draw_far_field``           intensity over φ and cos θ
+``draw_far_field_cuts``      polar cuts through planes of φ
+``draw_ledger``              where the power went
+``draw_ladder``              a detector's power by generation
+``draw_convergence``         σ against rays and against seconds
+``draw_layout``              sections through the scene, with or without rays
+===========================  =====================================================
+
+>>> from photizon_cl import figures
+>>> figures.draw_irradiance(result, "target").savefig("target.pdf")  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from photizon_cl.views.figures.convergence import draw_convergence
+from photizon_cl.views.figures.far_field import draw_far_field, draw_far_field_cuts
+from photizon_cl.views.figures.ladder import draw_ladder
+from photizon_cl.views.figures.layout import draw_layout
+from photizon_cl.views.figures.ledger import draw_ledger
+from photizon_cl.views.figures.maps import draw_irradiance, draw_relative_sigma
+from photizon_cl.views.figures.style import FORMATS
+from photizon_cl.views.figures.table import FIGURES, draw_all, figure_names, write_all
+
+__all__ = [
+    "FIGURES",
+    "FORMATS",
+    "draw_all",
+    "draw_convergence",
+    "draw_far_field",
+    "draw_far_field_cuts",
+    "draw_irradiance",
+    "draw_ladder",
+    "draw_layout",
+    "draw_ledger",
+    "draw_relative_sigma",
+    "figure_names",
+    "write_all",
+]

@@ -1,0 +1,228 @@
+"""Bins drawn as they are: one flat colour each, hatched where fewer than 10 rays arrived."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.legend_handler import HandlerPatch
+from matplotlib.patches import Patch
+
+from photizon_cl.views.figures.style import INK, LABEL, QUIET, SMALL, WIDTH
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colorbar import Colorbar
+    from numpy.typing import NDArray
+
+    from photizon_cl.views.figures.style import Page
+
+__all__ = ["GREY", "HATCHED", "bin_axes", "colour_bar", "hatch", "key", "paint", "plain_patch"]
+
+HATCHED: Final = "#e9e9e9"
+GREY: Final = "#bdbdbd"
+_LEFT: Final = 0.85
+_ACROSS: Final = 4.85
+_BAR: Final = 0.17
+_BELOW: Final = 0.48
+_ABOVE: Final = 0.28
+_TALLEST: Final = 6.2
+_LONG: Final = 5.0
+_MOST_QUADS: Final = 1 << 22
+_MOST_VECTORS: Final = 1 << 14
+
+
+def size_of(x_edges: NDArray[np.float64], y_edges: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the inches at which a map in metres is drawn to scale, as far as that is possible."""
+    ratio = float((y_edges[-1] - y_edges[0]) / (x_edges[-1] - x_edges[0]))
+    ratio = min(max(ratio, 1.0 / _LONG), _LONG)
+    width = min(_ACROSS, _TALLEST / ratio)
+    return width, width * ratio
+
+
+def to_scale(x_edges: NDArray[np.float64], y_edges: NDArray[np.float64]) -> bool:
+    """Say whether a map is drawn with one scale along both axes."""
+    ratio = float((y_edges[-1] - y_edges[0]) / (x_edges[-1] - x_edges[0]))
+    return 1.0 / _LONG <= ratio <= _LONG
+
+
+def body(height: float) -> float:
+    """Return the inches that a map of a height needs with its labels."""
+    return _ABOVE + height + _BELOW
+
+
+def bin_axes(page: Page, width: float, height: float) -> tuple[Axes, Axes]:
+    """Return axes for a map of so many inches, and beside it axes for its colour bar."""
+    # Placed by hand: an automatic layout makes the bar as tall as the room, not as the map.
+    spare = page.body - body(height)
+    bottom = _BELOW + spare
+    left = _LEFT + 0.5 * (_ACROSS - width)
+    axes = page.figure.add_axes(page.place(left, bottom, width, height))
+    beside = page.place(left + width + 0.13, bottom, _BAR, height)
+    bar = page.figure.add_axes(beside)
+    axes.tick_params(labelsize=SMALL)
+    return axes, bar
+
+
+def paint(
+    axes: Axes,
+    x_edges: NDArray[np.float64],
+    y_edges: NDArray[np.float64],
+    values: Any,
+    colours: Any,
+    norm: Normalize,
+) -> Any:
+    """Draw every bin of a masked array with the colour of its own value and no other's."""
+    if np.size(values) > _MOST_QUADS:
+        # The same bins as a picture: four numbers a corner would not fit into memory.
+        extent = (x_edges[0], x_edges[-1], y_edges[0], y_edges[-1])
+        drawn: Any = axes.imshow(
+            values, cmap=colours, norm=norm, extent=extent, origin="lower", aspect="auto",
+            interpolation="nearest",
+        )  # fmt: skip
+    else:
+        drawn = axes.pcolormesh(
+            x_edges, y_edges, values, cmap=colours, norm=norm, rasterized=True, shading="flat"
+        )
+    axes.set_xlim(x_edges[0], x_edges[-1])
+    axes.set_ylim(y_edges[0], y_edges[-1])
+    return drawn
+
+
+def flat(
+    axes: Axes,
+    x_edges: NDArray[np.float64],
+    y_edges: NDArray[np.float64],
+    where: NDArray[np.bool_],
+    colour: str,
+    label: str,
+) -> None:
+    """Draw some bins in one colour."""
+    if where.any():
+        only = np.ma.masked_array(np.ones(where.shape), mask=~where)
+        one = ListedColormap([colour])
+        paint(axes, x_edges, y_edges, only, one, Normalize(0.0, 2.0)).set_label(label)
+
+
+def hatch(
+    axes: Axes,
+    x_edges: NDArray[np.float64],
+    y_edges: NDArray[np.float64],
+    where: NDArray[np.bool_],
+) -> None:
+    """Draw slanted lines over some bins and nowhere else."""
+    box = axes.get_window_extent()
+    dpi = axes.figure.dpi
+    width, height = box.width / dpi, box.height / dpi
+    lines = hatch_lines(x_edges, y_edges, where, width, height)
+    if len(lines):
+        axes.add_collection(
+            LineCollection(
+                list(lines), colors=QUIET, linewidths=0.6, capstyle="butt", zorder=1.5,
+                label="hatching", rasterized=where.size > _MOST_VECTORS,
+            ),
+            autolim=False,
+        )  # fmt: skip
+
+
+def hatch_lines(
+    x_edges: NDArray[np.float64],
+    y_edges: NDArray[np.float64],
+    where: NDArray[np.bool_],
+    width: float,
+    height: float,
+) -> NDArray[np.float64]:
+    """Return slanted lines cut at the edges of the bins that they belong to.
+
+    Parameters
+    ----------
+    x_edges, y_edges : ndarray, shapes (nx + 1,) and (ny + 1,)
+        Edges of the bins.
+    where : ndarray, shape (ny, nx), bool
+        Bins to hatch.
+    width, height : float
+        Of the drawing in inches, on which the lines rise by 45°.
+
+    Returns
+    -------
+    ndarray, shape (n, 2, 2), float64
+        Ends, in the edges' coordinates.
+    """
+    ny, nx = where.shape
+    # Far enough apart to be seen as lines, close enough that one crosses every bin of some size.
+    apart = float(np.clip(min(width / nx, height / ny), 0.05, 0.09)) * math.sqrt(2.0)
+    x = (x_edges - x_edges[0]) * (width / (x_edges[-1] - x_edges[0]))
+    y = (y_edges - y_edges[0]) * (height / (y_edges[-1] - y_edges[0]))
+    pieces = []
+    for k in range(math.ceil(-width / apart), math.floor(height / apart) + 1):
+        above = (k + 0.5) * apart  # half a step off, so that none runs along a corner
+        first, last = max(0.0, -above), min(width, height - above)
+        if last <= first:
+            continue
+        cuts = np.concatenate([[first, last], x, y - above])
+        cuts = np.unique(cuts[(cuts >= first) & (cuts <= last)])
+        middle = 0.5 * (cuts[1:] + cuts[:-1])
+        i = np.clip(np.searchsorted(x, middle, "right") - 1, 0, nx - 1)
+        j = np.clip(np.searchsorted(y, middle + above, "right") - 1, 0, ny - 1)
+        inside = np.concatenate([[False], where[j, i], [False]])
+        ends = np.flatnonzero(inside[1:] != inside[:-1])
+        begin, end = cuts[ends[::2]], cuts[ends[1::2]]
+        # Below half a point nothing can be seen; millions of them would only make files large.
+        seen = end - begin > 0.005
+        begin, end = begin[seen], end[seen]
+        points = [np.stack([begin, begin + above], 1), np.stack([end, end + above], 1)]
+        pieces.append(np.stack(points, 1))
+    found = np.concatenate(pieces) if pieces else np.empty((0, 2, 2))
+    size = np.array([x_edges[-1] - x_edges[0], y_edges[-1] - y_edges[0]])
+    return np.asarray(np.array([x_edges[0], y_edges[0]]) + found / [width, height] * size)
+
+
+def colour_bar(drawn: Any, beside: Axes, label: str, extend: str = "neither") -> Colorbar:
+    """Draw a colour bar into its axes."""
+    figure: Any = beside.figure
+    bar: Colorbar = figure.colorbar(drawn, cax=beside, extend=extend)
+    bar.set_label(label, fontsize=LABEL)
+    bar.ax.tick_params(labelsize=SMALL)
+    return bar
+
+
+class _HatchedKey(HandlerPatch):
+    """A legend's patch with the slanted lines that the bins have."""
+
+    def create_artists(self, legend: Any, orig_handle: Any, *where: Any) -> Any:
+        """Return the patch and the lines over it."""
+        from matplotlib.lines import Line2D
+
+        x, y, width, height, _, transform = where
+        patch = super().create_artists(legend, orig_handle, *where)
+        lines = [
+            Line2D(
+                [start - x, start - x + height], [-y, height - y], color=QUIET, linewidth=0.6,
+                transform=transform,
+            )
+            for start in np.linspace(0.0, width - height, 3)
+        ]  # fmt: skip
+        return [*patch, *lines]
+
+
+def plain_patch(colour: str, label: str) -> Patch:
+    """Return a legend's patch in one colour."""
+    return Patch(facecolor=colour, edgecolor=QUIET, linewidth=0.4, label=label)
+
+
+def key(axes: Axes, patches: list[Patch], hatched: list[Patch]) -> None:
+    """Say above the upper right corner what bins without a colour of the scale mean."""
+    if not patches and not hatched:
+        return
+    figure: Any = axes.figure
+    box = axes.get_position()
+    legend = figure.legend(
+        handles=[*hatched, *patches], loc="lower right", fontsize=SMALL, frameon=False,
+        handler_map={patch: _HatchedKey() for patch in hatched}, ncols=3,
+        bbox_to_anchor=(min(box.x1, 1.0 - 0.1 / WIDTH), box.y1), borderaxespad=0.2,
+        handlelength=1.8, columnspacing=1.2, labelcolor=INK,
+    )  # fmt: skip
+    legend.set_in_layout(False)

@@ -1,0 +1,223 @@
+"""What all figures share: page, title, footer, colours, units, and files that can be made again.
+
+A figure is as wide as a page's text, 7 in, so that it is printed at its own size, where no letter
+is smaller than 8 pt. Colours are safe for colour-blind readers (M. Okabe and K. Ito, Color
+Universal Design, 2008; viridis) and never the only sign of a difference.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import warnings
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final, ParamSpec
+
+import matplotlib
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from photizon_cl.views.figures.words import fitted, percent, wrapped
+from photizon_cl.views.text import lit_percent
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from photizon_cl.result.result import Result
+
+__all__ = [
+    "BLUE",
+    "FORMATS",
+    "GRID",
+    "INK",
+    "LABEL",
+    "ORANGE",
+    "QUIET",
+    "SMALL",
+    "WIDTH",
+    "Page",
+    "sheet",
+    "styled",
+    "write",
+]
+
+FORMATS: Final = ("png", "svg", "pdf")
+"""Formats of files; the latter two hold vectors, with maps of bins as pictures in them."""
+
+WIDTH: Final = 7.0
+"""Inches across every figure."""
+SMALL: Final = 8.0
+LABEL: Final = 9.0
+INK: Final = "#222222"
+QUIET: Final = "#5f5f5f"
+GRID: Final = "#dddddd"
+BLUE: Final = "#0072b2"
+ORANGE: Final = "#d55e00"
+_WARNING: Final = "#a03c00"
+
+_DPI: Final = {"png": 160, "svg": 300, "pdf": 300}
+_MARGIN: Final = 0.14
+_TITLE: Final = 11.0
+_STEP: Final = 0.25
+"""Heights are whole multiples of this many inches: 40 pixels of a PNG file."""
+_OURS: Final = ("axes", "axes3d", "errorbar", "figure", "font", "grid", "hatch", "image",
+                    "legend", "lines", "mathtext", "patch", "path", "pcolor", "pcolormesh", "pdf",
+                    "polaraxes", "savefig", "svg", "text", "xtick", "xaxis", "ytick",
+                    "yaxis")  # fmt: skip
+_RC: Final = {
+    **{k: v for k, v in matplotlib.rcParamsDefault.items() if k.split(".")[0] in _OURS},
+    "svg.hashsalt": "photizon_cl",  # names inside a file come from its contents alone
+    "pdf.fonttype": 42,  # publishers refuse the default, Type 3
+}
+
+P = ParamSpec("P")
+
+
+@contextmanager
+def _own_settings() -> Iterator[None]:
+    # A reader's matplotlibrc must not change what a result's figures look like.
+    with matplotlib.rc_context(_RC):
+        yield
+
+
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Have a function draw with the project's own settings of matplotlib."""
+
+    @functools.wraps(draw)
+    def wrapped(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        with _own_settings():
+            return draw(*args, **kwargs)
+
+    return wrapped
+
+
+def write(draw: Callable[[], Figure], path: Path, kind: str) -> None:
+    """Draw a figure into a file.
+
+    Nothing of the moment goes in: the same result gives the same file, byte for byte, under one
+    version of matplotlib.
+
+    Parameters
+    ----------
+    draw : callable
+        Makes the figure.
+    path : Path
+        The file.
+    kind : str
+        One of `FORMATS`.
+    """
+    date = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
+    metadata = {date: None} if date else {"Software": "photizon_cl"}
+    with _own_settings(), warnings.catch_warnings():
+        # A name in a script that the font lacks is drawn as boxes; that is no reason to speak up.
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        draw().savefig(path, format=kind, dpi=_DPI[kind], metadata=metadata)
+
+
+class Page:
+    """A figure with a title and a footer, and between them a body to draw in.
+
+    Attributes
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    height : float
+        Of the figure, inches.
+    bottom, body : float
+        Where the body begins, and its height, in inches.
+    """
+
+    def __init__(self, figure: Figure, height: float, bottom: float, body: float) -> None:
+        self.figure, self.height, self.bottom, self.body = figure, height, bottom, body
+
+    def place(
+        self, left: float, bottom: float, width: float, height: float
+    ) -> tuple[float, float, float, float]:
+        """Return a rectangle in parts of the figure from one in inches of the body."""
+        across, up = WIDTH, self.height
+        return left / across, (self.bottom + bottom) / up, width / across, height / up
+
+    def arrange(self, above: float = 0.0) -> None:
+        """Let matplotlib arrange what the body holds, but for so many inches at its top."""
+        rect = self.place(0.06, 0.0, WIDTH - 0.12, self.body - above)
+        self.figure.set_layout_engine("constrained", rect=rect)
+
+
+def sheet(
+    result: Result, what: str, body: float, notes: list[str] | None = None, lit: float | None = None
+) -> Page:
+    """Begin a figure.
+
+    Parameters
+    ----------
+    result : Result
+        The scene's title, and N and σ for the footer.
+    what : str
+        What the figure shows, below the title.
+    body : float
+        Inches that the body needs at least; the whole is rounded up to a multiple of 0.25 in.
+    notes : list of str, optional
+        More lines for the footer.
+    lit : float, optional
+        Part of the bins shown that carry 10 rays, said in the footer, with a warning below one
+        half.
+    """
+    room = WIDTH - 2.0 * _MARGIN
+    lines = [(line, QUIET, "normal") for line in wrapped(_state(result), SMALL, room, "normal", 2)]
+    if lit is not None:
+        text, poor = _lit(lit)
+        style = (_WARNING, "bold") if poor else (QUIET, "normal")
+        lines += [(line, *style) for line in wrapped(text, SMALL, room, style[1], 2)]
+    for note in notes or []:
+        lines += [(line, QUIET, "normal") for line in wrapped(note, SMALL, room, "normal", 3)]
+    title = wrapped(result.scene.title or result.scene.name, _TITLE, room, "bold", 2)
+    below = fitted(what, LABEL, room)
+    head = _MARGIN + 0.19 * len(title) + 0.2 + 0.1
+    foot = _MARGIN + 0.155 * len(lines) + 0.05
+    height = _STEP * math.ceil(round((head + body + foot) / _STEP, 6))
+
+    figure = Figure(figsize=(WIDTH, height), facecolor="white")
+    FigureCanvasAgg(figure)
+    left = _MARGIN / WIDTH
+    y = height - _MARGIN
+    for line in title:
+        figure.text(
+            left, y / height, line, fontsize=_TITLE, weight="bold", color=INK, va="top",
+            parse_math=False,
+        )  # fmt: skip
+        y -= 0.19
+    figure.text(
+        left, (y - 0.02) / height, below, fontsize=LABEL, color=QUIET, va="top", parse_math=False
+    )
+    y = _MARGIN + 0.155 * (len(lines) - 1)
+    for line, colour, weight in lines:
+        figure.text(
+            left, y / height, line, fontsize=SMALL, color=colour, weight=weight, va="baseline",
+            parse_math=False,
+        )  # fmt: skip
+        y -= 0.155
+    return Page(figure, height, foot, height - head - foot)
+
+
+def _state(result: Result) -> str:
+    """Return N and the σ achieved."""
+    batches = "1 batch" if result.batches == 1 else f"{result.batches:,} batches"
+    achieved = result.achieved_sigma
+    if achieved is not None:
+        maps = sum(d.map is not None for d in result.detectors.values())
+        sigma = f"median relative σ {percent(achieved)}" + (" over all maps" if maps > 1 else "")
+        if result.info.goal.target is not None:
+            sigma += f" (target {percent(result.info.goal.target)})"
+    elif result.batches < 2:
+        sigma = "σ unknown from a single batch"
+    else:
+        sigma = "nothing has a relative σ"
+    return f"N = {result.rays:,} rays · {batches} · {sigma}"
+
+
+def _lit(lit: float) -> tuple[str, bool]:
+    text = f"{lit_percent(lit)} of bins carry at least 10 rays"
+    if lit >= 0.5:
+        return text, False
+    return f"Warning: only {text}; the median σ says nothing of the other bins", True

@@ -1,0 +1,155 @@
+"""The table of figures: which a result has, what their files are called, and how they are drawn."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from photizon_cl.errors import ArgumentError, show
+from photizon_cl.views.figures.convergence import draw_convergence, history
+from photizon_cl.views.figures.far_field import draw_far_field, draw_far_field_cuts
+from photizon_cl.views.figures.ladder import draw_ladder
+from photizon_cl.views.figures.layout import MOST_ELEMENTS, draw_layout
+from photizon_cl.views.figures.ledger import draw_ledger
+from photizon_cl.views.figures.maps import draw_irradiance, draw_relative_sigma
+from photizon_cl.views.figures.style import FORMATS, write
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Iterator, Sequence
+
+    from matplotlib.figure import Figure
+
+    from photizon_cl.result.result import Result
+
+__all__ = ["FIGURES", "Kind", "draw_all", "figure_names", "write_all"]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of figure.
+
+    Parameters
+    ----------
+    stem : str
+        What the names of its files begin with.
+    draw : callable
+        Draws it: given the result, and what `subjects` returns.
+    subjects : callable
+        Given a result, returns the arguments for each figure of this kind; none where there is
+        nothing to draw.
+    """
+
+    stem: str
+    draw: Callable[..., Figure]
+    subjects: Callable[[Result], list[tuple[str, ...]]]
+
+
+def _once(_: Result) -> list[tuple[str, ...]]:
+    return [()]
+
+
+def _small(result: Result) -> list[tuple[str, ...]]:
+    return [()] if len(result.scene.element) <= MOST_ELEMENTS else []
+
+
+def _with_history(result: Result) -> list[tuple[str, ...]]:
+    return [()] if len(history(result)) else []
+
+
+def _with_map(result: Result) -> list[tuple[str, ...]]:
+    return [(name,) for name, d in result.detectors.items() if d.map is not None]
+
+
+def _with_ladder(result: Result) -> list[tuple[str, ...]]:
+    return [(name,) for name, d in result.detectors.items() if d.ladder is not None]
+
+
+def _with_far_field(result: Result) -> list[tuple[str, ...]]:
+    return [()] if result.far_field is not None else []
+
+
+FIGURES: Final = (
+    Kind("layout", draw_layout, _small),
+    Kind("ledger", draw_ledger, _once),
+    Kind("convergence", draw_convergence, _with_history),
+    Kind("map", draw_irradiance, _with_map),
+    Kind("sigma", draw_relative_sigma, _with_map),
+    Kind("ladder", draw_ladder, _with_ladder),
+    Kind("far-field", draw_far_field, _with_far_field),
+    Kind("far-field-cuts", draw_far_field_cuts, _with_far_field),
+)
+"""Every kind of figure, in the order in which a report shows them."""
+
+
+def draw_all(
+    result: Result, formats: str | Sequence[str] = ("png",)
+) -> Iterator[tuple[str, Callable[[Path], None]]]:
+    """Give each figure's file name and a function that draws it into a file.
+
+    Parameters
+    ----------
+    result : Result
+        The result.
+    formats : str or sequence of str, optional
+        Of ``"png"``, ``"svg"`` and ``"pdf"``; each figure comes once in each.
+
+    Raises
+    ------
+    ArgumentError
+        Where a format is another one.
+    """
+    if isinstance(formats, str):
+        formats = (formats,)
+    unknown = [kind for kind in formats if kind not in FORMATS]
+    if unknown:
+        raise ArgumentError(
+            f"formats: found {show(unknown[0])}, expected some of {', '.join(FORMATS)}"
+        )
+    used: set[str] = set()
+    for kind in FIGURES:
+        for subject in kind.subjects(result):
+            stem = re.sub(r"[^\w+.-]+", "_", "-".join([kind.stem, *subject])).lower()[:100]
+            name, n = stem, 2
+            while name in used:
+                name, n = f"{stem}-{n}", n + 1
+            used.add(name)
+            for suffix in dict.fromkeys(formats):
+                draw = partial(kind.draw, result, *subject)
+                yield f"{name}.{suffix}", partial(write, draw, kind=suffix)
+
+
+def write_all(
+    result: Result, folder: str | os.PathLike[str], formats: str | Sequence[str] = ("png",)
+) -> list[Path]:
+    """Draw every figure of a result into files, and return these.
+
+    The same result gives the same files, byte for byte, under one version of matplotlib.
+
+    Parameters
+    ----------
+    result : Result
+        The result.
+    folder : str or path
+        An existing directory; files of the same names in it are replaced.
+    formats : str or sequence of str, optional
+        Of ``"png"``, ``"svg"`` and ``"pdf"``.
+
+    Raises
+    ------
+    ArgumentError
+        Where a format is another one.
+    """
+    written = []
+    for name, draw in draw_all(result, formats):
+        written.append(Path(folder) / name)
+        draw(written[-1])
+    return written
+
+
+def figure_names(result: Result, formats: str | Sequence[str] = ("png",)) -> list[str]:
+    """Return the file names of a result's figures, see `draw_all`."""
+    return [name for name, _ in draw_all(result, formats)]

@@ -1,0 +1,96 @@
+"""What notebooks show of a result, and its tables as data frames."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import TYPE_CHECKING, Any, Final
+
+from markupsafe import Markup
+
+from photizon_cl.errors import ArgumentError, PhotizonError, show
+from photizon_cl.views.report.numbers import integer, percent
+from photizon_cl.views.report.page import lookup
+from photizon_cl.views.report.tables import detector_table, ledger_rows, ledger_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from photizon_cl.result.result import Result
+
+__all__ = ["data_frame", "html"]
+
+_MOST_ROWS: Final = 30  # of a table in a notebook
+
+
+def html(result: Result) -> str:
+    """Return a header line, the ledger and the detectors as HTML."""
+    achieved = result.achieved_sigma
+    sigma = "unknown" if achieved is None else percent(achieved)
+    verdict = "met" if result.converged else "not met"
+    head = Markup(
+        "{} rays in {} batches, seed {} · median relative σ {}, target {} {} · {} · <code>{}</code>"
+    ).format(
+        integer(result.rays),
+        integer(result.batches),
+        result.scene.run.seed,
+        sigma,
+        percent(result.target_sigma),
+        verdict,
+        result.info.device,
+        result.tally_digest[:19] + "…",
+    )
+    n = len(result.advisories)
+    text: str = (
+        lookup()
+        .get_template("notebook.mako")
+        .render_unicode(
+            title=result.scene.title or result.scene.name,
+            head=head,
+            ledger=ledger_table(result, _MOST_ROWS),
+            detectors=detector_table(result, _MOST_ROWS) if result.detectors else None,
+            advisories=f"{n} advisor{'y' if n == 1 else 'ies'}: see .advisories" if n else "",
+        )
+    )
+    return text.strip()
+
+
+def data_frame(result: Result, detector: str | None = None) -> pd.DataFrame:
+    """Return the ledger, or a detector's ladder, see `Result.to_dataframe`."""
+    if detector is None:
+        rows = ledger_rows(result)
+        emitted = result.ledger.emitted.value
+        columns: dict[str, list[Any]] = {
+            "row": [name for name, _ in rows],
+            "value_W": [row.value for _, row in rows],
+            "sigma_W": [nan if row.sigma is None else row.sigma for _, row in rows],
+            "share": [row.value / emitted for _, row in rows],
+        }
+        return _pandas().DataFrame(columns)
+    ladder = result.detectors[detector].ladder if detector in result.detectors else None
+    if ladder is None:
+        having = [name for name, d in result.detectors.items() if d.ladder is not None]
+        expected = ", ".join(map(show, having[:10])) if having else "none has one in this scene"
+        raise ArgumentError(
+            f"detector: found {show(detector)}, expected a detector with a ladder ({expected}; "
+            "`generations` of a scene's detector gives it one)"
+        )
+    emitted = result.ledger.emitted.value
+    columns = {
+        "generation": [rung.generation for rung in ladder],
+        "value_W": [rung.value for rung in ladder],
+        "sigma_W": [nan if rung.sigma is None else rung.sigma for rung in ladder],
+        "share": [rung.value / emitted for rung in ladder],
+        "count": [rung.count for rung in ladder],
+    }
+    return _pandas().DataFrame(columns)
+
+
+def _pandas() -> Any:
+    try:
+        import pandas
+    except ImportError as error:
+        raise PhotizonError(
+            "data frames need pandas, which is not installed (photizon_cl itself does without): "
+            "run `pip install pandas`"
+        ) from error
+    return pandas

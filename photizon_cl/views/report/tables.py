@@ -1,0 +1,284 @@
+"""What a report tabulates: ledger, detectors, ladders, far field.
+
+A table here is data: headings, rows of cells, a caption. The templates turn it into HTML in one
+place, which escapes every cell that is no markup.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from photizon_cl.views.report.numbers import amount, brief, integer, number, pair, percent, share
+from photizon_cl.views.text import lit_percent
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from photizon_cl.result.ledger import Estimate
+    from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
+    from photizon_cl.result.result import Result
+
+__all__ = [
+    "MOST_ROWS",
+    "Table",
+    "detector_table",
+    "far_field_table",
+    "ladder_table",
+    "ledger_rows",
+    "ledger_table",
+    "map_table",
+    "peak",
+]
+
+MOST_ROWS: Final = 200
+"""Rows of elements, detectors or generations that a table shows; more make no readable page."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table as data. The first cell of a row is its heading.
+
+    Parameters
+    ----------
+    name : str
+        Identifier on the page.
+    caption : str
+        What the table holds, with units where a heading does not say them.
+    columns : sequence of (str, bool)
+        Heading, and whether the column holds numbers.
+    rows : sequence of sequences
+        Cells: text, which is escaped, or markup, which is not.
+    note : str
+        What stands below the table.
+    """
+
+    name: str
+    caption: str
+    columns: Sequence[tuple[str, bool]]
+    rows: Sequence[Sequence[str]]
+    note: str = ""
+
+
+_POWER: Final = (("power in W", True), ("± σ in W", True), ("share of emitted", True))
+_SINGLE: Final = "σ is not known (–): it comes from the scatter between batches, and there is one."
+
+
+def _sigma_note(result: Result) -> str:
+    return _SINGLE if result.batches == 1 else ""
+
+
+# -- ledger --------------------------------------------------------------------------------------
+
+
+def ledger_rows(result: Result) -> list[tuple[str, Estimate]]:
+    """Return every row of the ledger with its name, as ``result.nc`` names them."""
+    ledger = result.ledger
+    return [
+        ("emitted", ledger.emitted),
+        *((f"absorbed: {name}", row) for name, row in ledger.absorbed.items()),
+        ("escaped", ledger.escaped),
+        ("roulette killed", ledger.roulette.killed),
+        ("roulette boosted", ledger.roulette.boosted),
+        ("roulette balance", ledger.roulette.balance),
+        ("depth-capped", ledger.depth_capped),
+    ]
+
+
+def ledger_table(result: Result, most: int = MOST_ROWS) -> Table:
+    """Return the ledger with shares of the emitted power.
+
+    Of more elements than `most` those that absorb the most are shown, in the order of the scene,
+    and the others in one row.
+    """
+    ledger = result.ledger
+    emitted = ledger.emitted.value
+    rows: list[Sequence[str]] = []
+
+    def add(name: str, row: Estimate) -> None:
+        rows.append((name, *pair(row.value, row.sigma), share(row, emitted)))
+
+    add("emitted", ledger.emitted)
+    shown = _largest({name: row.value for name, row in ledger.absorbed.items()}, most)
+    for name in shown:
+        add(f"absorbed by {name}", ledger.absorbed[name])
+    left = [row.value for name, row in ledger.absorbed.items() if name not in shown]
+    if left:
+        total = sum(left)
+        head = f"absorbed by {integer(len(left))} other elements"
+        rows.append((head, amount(total, 6), "–", percent(total / emitted, 4)))
+    add("escaped", ledger.escaped)
+    if "roulette" in result.compiled.effects:
+        add("roulette: killed", ledger.roulette.killed)
+        add("roulette: boosted", ledger.roulette.boosted)
+        add("roulette: balance (killed − boosted)", ledger.roulette.balance)
+    add("depth-capped", ledger.depth_capped)
+    closure = number(f"{ledger.closure:.1e}" if ledger.closure else "0")
+    rows.append(("closure (emitted − all other rows)", closure, "", ""))
+    notes = [_sigma_note(result)]
+    if "roulette" in result.compiled.effects:
+        notes.append("Of the roulette's rows the balance alone enters the closure.")
+    if left:
+        notes.append("The sum of many rows has no σ here: rows are correlated.")
+    return Table(
+        "table-ledger",
+        "Energy ledger: where the emitted power ended, mean over batches",
+        (("row", False), *_POWER),
+        rows,
+        " ".join(filter(None, notes)),
+    )
+
+
+def _largest(values: dict[str, float], most: int) -> dict[str, None]:
+    """Return the names of the largest values in the order given."""
+    if len(values) <= most:
+        return dict.fromkeys(values)
+    chosen = set(sorted(values, key=lambda name: -values[name])[:most])
+    return dict.fromkeys(name for name in values if name in chosen)
+
+
+# -- detectors -----------------------------------------------------------------------------------
+
+
+def detector_table(result: Result, most: int = MOST_ROWS) -> Table:
+    """Return the detectors' powers; of more than `most` those with the most power."""
+    emitted = result.ledger.emitted.value
+    found = result.detectors
+    shown = _largest({name: d.power.value for name, d in found.items()}, most)
+    rows = [
+        (
+            name,
+            *pair(found[name].power.value, found[name].power.sigma),
+            share(found[name].power, emitted),
+            integer(found[name].power.count or 0),
+        )
+        for name in shown
+    ]
+    notes = [_sigma_note(result)]
+    if len(shown) < len(found):
+        notes.append(f"{integer(len(found) - len(shown))} detectors with less power are left out.")
+    return Table(
+        "table-detectors",
+        "Detectors: power that arrived on the side that each faces",
+        (("detector", False), *_POWER, ("arrivals", True)),
+        rows,
+        " ".join(filter(None, notes)),
+    )
+
+
+def ladder_table(name: str, element: str, detector: DetectorResult, emitted: float) -> Table | None:
+    """Return a detector's power by the number of surface interactions; None without a ladder."""
+    ladder = detector.ladder
+    if ladder is None:
+        return None
+    lit = [rung for rung in ladder if rung.count]
+    rows = [
+        (
+            f"{rung.generation}" + (" or more" if rung is ladder[-1] else ""),
+            *pair(rung.value, rung.sigma),
+            percent(rung.value / emitted, 4),
+            integer(rung.count),
+        )
+        for rung in lit[:MOST_ROWS]
+    ]
+    notes = []
+    if not lit:
+        dark = "–" if ladder[0].sigma is None else "0"
+        rows = [(f"0 to {len(ladder) - 1} or more", number("0"), number(dark), "0 %", "0")]
+    elif len(lit) < len(ladder):
+        empty = len(ladder) - len(lit)
+        notes.append(f"{integer(empty)} of {len(ladder)} entries had no arrival and are left out.")
+    if len(lit) > MOST_ROWS:
+        notes.append(f"{integer(len(lit) - MOST_ROWS)} later entries are left out as well.")
+    return Table(
+        name,
+        f"Ladder of {element}: power by the number of surface interactions before the arrival",
+        (("interactions", False), *_POWER, ("arrivals", True)),
+        rows,
+        " ".join(notes),
+    )
+
+
+def map_table(name: str, element: str, m: IrradianceMap, power: Estimate) -> Table:
+    """Return the key figures of an irradiance map."""
+    ny, nx = m.count.shape
+    area = float(m.area.sum())
+    sigma = None if power.sigma is None else power.sigma / area
+    rows: list[tuple[str, str]] = [
+        ("bins", f"{integer(nx)} in {_AXES[m.x_name]} × {integer(ny)} in {_AXES[m.y_name]}"),
+        ("area of all bins", number(f"{area:.6g}") + " m²"),
+        ("bins with 10 or more arrivals", lit_percent(m.lit_fraction)),
+        ("irradiance, mean over the area", brief(power.value / area, sigma, "W/m²")),
+    ]
+    if m.lit.any():
+        for head, sign in (("highest of these bins", 1.0), ("lowest of these bins", -1.0)):
+            value, error, at = peak(m.irradiance, m.sigma, m.lit, sign)
+            rows.append((head, brief(value, error, "W/m²") + ", at " + _place(m, at)))
+        relative = m.sigma[m.lit] / m.irradiance[m.lit]
+        if np.isfinite(relative).any():
+            rows.append(("median relative σ of these bins", percent(float(np.median(relative)))))
+    return Table(
+        name,
+        f"Irradiance map on {element}: key figures",
+        (("quantity", False), ("value", False)),
+        rows,
+    )
+
+
+_AXES: Final = {"u": "u", "v": "v", "phi": "φ", "cos_theta": "cos θ"}
+
+
+def _place(m: IrradianceMap, at: tuple[int, int]) -> str:
+    j, i = at
+    x = 0.5 * (m.x_edges[i] + m.x_edges[i + 1])
+    y = 0.5 * (m.y_edges[j] + m.y_edges[j + 1])
+    if m.x_units == "rad":
+        return f"φ = {np.degrees(x):.4g}°, cos θ = {y:.3g}".replace("-", "−")
+    return f"u = {x:.4g} m, v = {y:.4g} m".replace("-", "−")
+
+
+def peak(
+    values: NDArray[np.float64],
+    sigmas: NDArray[np.float64],
+    among: NDArray[np.bool_],
+    sign: float = 1.0,
+) -> tuple[float, float | None, tuple[int, int]]:
+    """Return the highest value (lowest for sign −1) among some bins, its σ and its place."""
+    flat = int(np.argmax(np.where(among, sign * values, -np.inf)))
+    row, column = divmod(flat, values.shape[1])
+    sigma = float(sigmas[row, column])
+    return float(values[row, column]), None if np.isnan(sigma) else sigma, (row, column)
+
+
+# -- far field -----------------------------------------------------------------------------------
+
+
+def far_field_table(far: FarFieldResult, escaped: Estimate) -> Table:
+    """Return the key figures of the far field."""
+    n_mu, n_phi = far.count.shape
+    whole = 4.0 * np.pi
+    sigma = None if escaped.sigma is None else escaped.sigma / whole
+    lit = ~far.hatched
+    rows: list[tuple[str, str]] = [
+        ("power in all bins (what escaped)", brief(escaped.value, escaped.sigma, "W")),
+        ("intensity, mean over all directions", brief(escaped.value / whole, sigma, "W/sr")),
+        ("bins", f"{integer(n_mu)} in cos θ × {integer(n_phi)} in φ"),
+        ("solid angle of a bin", amount(far.solid_angle) + " sr"),
+        ("bins with 10 or more rays", lit_percent(float(np.mean(lit)))),
+    ]
+    if lit.any():
+        value, error, (j, i) = peak(far.intensity, far.sigma, lit)
+        mu = 0.5 * (far.mu_edges[j] + far.mu_edges[j + 1])
+        phi = np.degrees(0.5 * (far.phi_edges[i] + far.phi_edges[i + 1]))
+        place = f", at cos θ = {mu:.4g}, φ = {phi:.4g}°".replace("-", "−")
+        rows.append(("highest of these bins", brief(value, error, "W/sr") + place))
+    return Table(
+        "table-far-field",
+        "Far field: key figures",
+        (("quantity", False), ("value", False)),
+        rows,
+    )
