@@ -42,6 +42,10 @@ PLAIN_UP_TO = 1000
 LOOK_UPS = 400
 
 
+CHOICES: Final = ({"force": frozenset({"acceleration"})}, {"without": frozenset({"acceleration"})})
+"""With a tree of boxes, and without."""
+
+
 def seconds_a_segment(engine: Engine, round_: int) -> float:
     """Return device seconds for each search of a wave: every ray once and once an interaction."""
     statistic, batches = engine.statistics, engine.batches_at_once
@@ -73,7 +77,7 @@ def prepare(
     started = time.perf_counter()
     scene = FAMILIES[family](n, n)
     made = time.perf_counter()
-    compiled = compile_scene(scene, run, accelerate=True)
+    compiled = compile_scene(scene, run, force=frozenset({"acceleration"}))
     done = time.perf_counter()
     boxes = world_boxes(scene.element, (0.0, 0.0, 0.0))
     before = time.perf_counter()
@@ -82,7 +86,7 @@ def prepare(
     seen = visits(compiled, unpack_nodes(pack_nodes(*tree)), device, LOOK_UPS)
     engines = [engine_of(device, compiled.tables, lanes)]
     if len(scene.element) <= 1.2 * PLAIN_UP_TO:
-        plain = compile_scene(scene, run, accelerate=False)
+        plain = compile_scene(scene, run, without=frozenset({"acceleration"}))
         engines.append(engine_of(device, plain.tables))
     size = compiled.tables.geometry.nbytes + compiled.tables.codes.nbytes
     row = {
@@ -188,7 +192,7 @@ def break_even(
         ratios = []
         for n in FEW:
             scene = FAMILIES[family](n, n)
-            tables = [compile_scene(scene, run, accelerate=a).tables for a in (True, False)]
+            tables = [compile_scene(scene, run, **choice).tables for choice in CHOICES]
             tree, plain = alternate([engine_of(device, t) for t in tables], rounds)
             ratios.append(statistics.median(np.divide(plain, tree)))
         found[family] = ratios

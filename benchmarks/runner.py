@@ -102,7 +102,7 @@ class Runner:
             tallies.append(list(self.engine.run(0, self.batches)))
         seconds, cpu = time.perf_counter() - started, time.process_time() - cpu
         for batches in tallies:
-            tally = Accumulator(self.compiled.layout.n_cells)
+            tally = Accumulator.of(self.compiled.layout)
             for batch in batches:
                 tally.add(complete(self.compiled.layout, batch.cells))
             digests.add(tally.digest)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.errors import HostError
-from hostcode.program.program import CACHED_BYTES
+from hostcode.program.spec import CACHED_BYTES
 
 if TYPE_CHECKING:
     from hostcode.device.device import DeviceRecord

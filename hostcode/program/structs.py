@@ -16,7 +16,7 @@ LAUNCH: Final[tuple[tuple[str, str, str], ...]] = (
     ("ray_base", "ulong", "number of the first ray of slot 0"),
     ("rays_per_batch", "ulong", "rays of one batch"),
     ("n_sources", "ulong", "rows of the source table"),
-    ("n_elements", "ulong", "rows of the geometry table, and of the ledger before `escaped`"),
+    ("n_elements", "ulong", "rows of the geometry table, and of the ledger before its named ones"),
     ("n_cells", "ulong", "cells of one batch's tally"),
     ("slots", "ulong", "batches in flight that the tally has room for"),
     ("generation_cap", "ulong", "interactions a path may make"),
@@ -32,16 +32,8 @@ LAUNCH: Final[tuple[tuple[str, str, str], ...]] = (
         "where in codes the elements' places in the material table stand (MATERIAL_OF)",
     ),
     ("material_of_kind", "ulong", "where in codes each surface kind's first such place stands"),
-    ("detector_of", "ulong", "where in codes the elements' detector numbers stand"),
-    ("detectors", "ulong", "where in codes the detectors' integers stand"),
-    ("far_field", "ulong", "first cell of the far field"),
-    ("n_mu", "ulong", "far-field bins in cos theta"),
-    ("n_phi", "ulong", "far-field bins in phi"),
-    ("mu_edges", "ulong", "where in edges those in cos theta stand"),
-    ("phi_edges", "ulong", "where in edges those in phi stand"),
-    ("roulette_floor", "double", "fraction of the launched weight"),
 )
-"""What one launch is told: name, C type, meaning."""
+"""What one launch is told: name, C type, meaning; effects add members of their own."""
 
 ITEM: Final[tuple[tuple[str, str, str], ...]] = (
     ("next", "ulong", "next ray of the batch to launch"),
@@ -53,9 +45,9 @@ ITEM: Final[tuple[tuple[str, str, str], ...]] = (
 )
 """State of one work-item between launches."""
 
-STATUS: Final = ("unfinished", "blocked", "interactions")
+STATUS: Final = ("unfinished", "blocked", "interactions", "passed")
 """Counters that the last stage of a launch adds to: work-items with work left, work-items whose
-segment is too small to go on, surface interactions made."""
+segment is too small to go on, surface interactions made, surfaces passed without one."""
 
 _NUMPY: Final = {"ulong": np.uint64, "double": np.float64}
 

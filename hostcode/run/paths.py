@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.program.program import build
-from hostcode.program.structs import LAUNCH, numpy_dtype
+from hostcode.program.build import build
+from hostcode.program.fields import of_type
 from hostcode.run.probe import apart
 from hostcode.run.queue import Queue
+from hostcode.run.tables import launch_of
 from hostcode.run.tally import CELL, canonical
 
 if TYPE_CHECKING:
@@ -76,9 +77,10 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
     spec = tables.spec.for_device(1, ("paths",))
     kernel = build(device, spec).kernel("paths_stage")
     # A split leaves one child waiting, so that no more wait than segments were written.
-    stack = max_segments + 2 if "splitting" in spec.effects else 1
-    real, word, long = (len(names) for names in spec.queue_fields.values())
-    a_ray = 8 * (REALS + WHOLES) * max_segments + (8 * real + 4 * word + 8 * long + 8) * stack + 16
+    stack = max_segments + 2 if spec.splits else 1
+    words = len(of_type(spec.ray_fields, "word"))
+    waiting = 8 * (len(spec.ray_fields) - words) + 4 * words + 8
+    a_ray = 8 * (REALS + WHOLES) * max_segments + waiting * stack + 16
     at_once = min(max(_BYTES_AT_ONCE // a_ray, 1), rays)
     flags = cl.mem_flags
 
@@ -90,11 +92,7 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
     def allocate(n: int) -> cl.Buffer:
         return cl.Buffer(device.context, flags.READ_WRITE, 8 * n)
 
-    launch = np.zeros((), numpy_dtype(LAUNCH))
-    for name, value in tables.launch.items():
-        launch[name] = value
-    launch["n_cells"], launch["slots"] = tables.n_cells, 1
-    launch["stack_capacity"], launch["record_capacity"] = stack, max_segments
+    launch = launch_of(tables, slots=1, stack_capacity=stack, record_capacity=max_segments)
     launch_buffer = allocate(launch.nbytes // 8)
     scene = [upload(a) for a in (tables.geometry, tables.materials, tables.sources, tables.codes)]
     cells = np.zeros((tables.n_cells, CELL), np.int64)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.program.program import build
-from hostcode.program.structs import LAUNCH, numpy_dtype
+from hostcode.program.build import build
+from hostcode.run.tables import launch_of
 from hostcode.run.tally import CELL
 
 if TYPE_CHECKING:
@@ -258,10 +258,11 @@ def _scene_arguments(device: OpenDevice, tables: DeviceTables) -> tuple[cl.Buffe
     """Return the buffers that every stage begins with."""
     import pyopencl as cl
 
-    launch = np.zeros((), numpy_dtype(LAUNCH))
-    for name, value in tables.launch.items():
-        launch[name] = value
-    launch["n_cells"], launch["slots"], launch["items"] = tables.n_cells, 1, 1
+    launch = launch_of(tables, slots=1, items=1)
+    # `follow` plays no roulette and knows no generation cap
+    launch["generation_cap"] = np.iinfo(np.uint64).max >> 1
+    if "roulette_floor" in (launch.dtype.names or ()):
+        launch["roulette_floor"] = 0.0
     scene = (tables.geometry, tables.materials, tables.sources, tables.codes)
     # the tally is not read: large scenes book into it, and `follow` throws it away
     nothing = cl.Buffer(device.context, cl.mem_flags.READ_WRITE, 8 * CELL * tables.n_cells + 64)

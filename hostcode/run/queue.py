@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hostcode.errors import HostError
+from hostcode.program.fields import of_type
 from hostcode.program.structs import ITEM, numpy_dtype
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hostcode.device.device import OpenDevice
-    from hostcode.program.program import ProgramSpec
+    from hostcode.program.spec import ProgramSpec
 
 __all__ = ["Queue"]
 
@@ -39,11 +40,10 @@ class Queue:
 
         self._cl, self._device, self._spec = cl, device, spec
         self.n_items, self.capacity = n_items, capacity
-        fields = spec.queue_fields
         self._layout: tuple[tuple[int, Any], ...] = (
-            (len(fields["queue_real"]), np.float64),
-            (len(fields["queue_word"]), np.uint32),
-            (len(fields["queue_long"]), np.int64),
+            (len(of_type(spec.ray_fields, "real")), np.float64),
+            (len(of_type(spec.ray_fields, "word")), np.uint32),
+            (len(of_type(spec.ray_fields, "long", "ulong")), np.int64),
         )
         size = n_items * numpy_dtype(ITEM).itemsize
         self.items = cl.Buffer(device.context, cl.mem_flags.READ_WRITE, size)

@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from hostcode.program.structs import LAUNCH, numpy_dtype
+
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
-    from hostcode.program.program import ProgramSpec
+    from hostcode.program.spec import ProgramSpec
 
-__all__ = ["DeviceTables"]
+__all__ = ["DeviceTables", "launch_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +25,7 @@ class DeviceTables:
     ----------
     spec : ProgramSpec
         Which program; lanes and stages are left to the device.
-    geometry : ndarray, shape (n_elements * ROW_STRIDE,), float64
+    geometry : ndarray, shape (n_elements * spec.strides.row, …), float64
         Row of each element, in file order.
     materials : ndarray, float64
         Row of each distinct surface.
@@ -47,3 +50,17 @@ class DeviceTables:
     edges: NDArray[np.float64]
     launch: dict[str, Any]
     n_cells: int
+
+
+def launch_of(tables: DeviceTables, **members: int) -> NDArray[np.void]:
+    """Return the launch structure of a scene, with those members that a launch adds.
+
+    Returns
+    -------
+    ndarray, shape ()
+        In the kernels' layout; members that neither gives are 0.
+    """
+    launch = np.zeros((), numpy_dtype(LAUNCH + tables.spec.launch_members))
+    for name, value in {**tables.launch, "n_cells": tables.n_cells, **members}.items():
+        launch[name] = value
+    return launch

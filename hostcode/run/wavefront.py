@@ -17,9 +17,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from hostcode.errors import Abandoned
-from hostcode.program.program import Program, build
+from hostcode.program.build import Program, build
+from hostcode.program.fields import of_type
 from hostcode.program.structs import ITEM, LAUNCH, STATUS, numpy_dtype
 from hostcode.run.queue import Queue
+from hostcode.run.tables import launch_of
 from hostcode.run.tally import CELL, canonical
 
 if TYPE_CHECKING:
@@ -125,18 +127,18 @@ class Engine:
         ]
         self._detector_numbers = upload(tables.detector_numbers)
         self._edges = upload(tables.edges)
-        self._launch_buffer = allocate(numpy_dtype(LAUNCH).itemsize)
+        self._launch_buffer = allocate(numpy_dtype(LAUNCH + spec.launch_members).itemsize)
         self._status = allocate(8 * len(STATUS))
         self._tally = allocate(8 * CELL * tables.n_cells * self._slots)
         self._tally_copies = allocate(self._copies * self._tally.size)
         self._clean = False  # whether nothing of an earlier run is left in the tally's copies
         self._record_capacity = self._count_records() if spec.records else 0
+        records = self._items * self._record_capacity
         self._records = (
-            allocate(32 * self._items * self._record_capacity),
-            allocate(8 * self._items * self._record_capacity),
+            allocate(8 * len(of_type(spec.ending_fields, "real")) * records),
+            allocate(4 * len(of_type(spec.ending_fields, "word")) * records),
         )
-        hits = self._queue.places if plan.composition == "classical" else 0
-        self._hits = (allocate(16 * hits), allocate(8 * hits))
+        self._hits = self._allocate_hits()
         self._bind()
         self.build_seconds = self.program.build_seconds + self._warm_up()
 
@@ -149,6 +151,15 @@ class Engine:
         # a buffer cannot be empty
         filled = np.ascontiguousarray(array) if array.size else np.zeros(1, array.dtype)
         return self._cl.Buffer(self.device.context, flags, hostbuf=filled)
+
+    def _allocate_hits(self) -> tuple[cl.Buffer, cl.Buffer]:
+        """Return buffers for what the search finds, where that is a stage of its own."""
+        places = self._queue.places if self.plan.composition == "classical" else 0
+        fields = self.tables.spec.hit_fields
+        reals = sum(field.type == "real" for field in fields)
+        return self._allocate(8 * reals * places), self._allocate(
+            8 * (len(fields) - reals) * places
+        )
 
     # -- sizes ---------------------------------------------------------------------------------
 
@@ -179,7 +190,7 @@ class Engine:
         return math.ceil(self._wave_rays() / self._items)
 
     def _stack_capacity(self) -> int:
-        splitting = "splitting" in self.tables.spec.effects
+        splitting = self.tables.spec.splits
         if self.plan.composition == "classical":
             lanes = self.plan.lanes
             rays = math.ceil(self._rays_per_item() / lanes) * lanes
@@ -190,7 +201,7 @@ class Engine:
 
     def _count_records(self) -> int:
         lanes, rays = self.plan.lanes, self._rays_per_item()
-        if "splitting" in self.tables.spec.effects:
+        if self.tables.spec.splits:
             return max(2 * rays, 4 * lanes)
         return max(rays + lanes, 2 * lanes)
 
@@ -211,9 +222,7 @@ class Engine:
         if self.plan.composition == "classical":
             add("generate_stage", *common, *queue)
             add("intersect_stage", *common, *queue, *self._hits)
-            add("shade_stage", *common, *queue, *self._records, *self._hits)
-            if "roulette" in self.tables.spec.effects:
-                add("roulette_stage", *common, *queue)
+            add("interact_stage", *common, *queue, *self._records, *self._hits)
         else:
             name = "wave" if self.plan.composition == "packets" else "whole_path"
             add(name, *common, *queue, *self._records)
@@ -241,22 +250,21 @@ class Engine:
         self._kernels = kernels
 
     def _write_launch(self, first_batch: int, items: int | None = None) -> None:
-        launch = np.zeros((), numpy_dtype(LAUNCH))
-        for name, value in self.tables.launch.items():
-            launch[name] = value
         plan = self.plan
         steps = max(_EVENTS_BEFORE_FLUSH // (2 * self._items * plan.lanes), 1)
         capacity = self._queue.capacity
-        splitting = "splitting" in self.tables.spec.effects
-        launch["ray_base"] = first_batch * self._rays_per_batch
-        launch["n_cells"] = self.tables.n_cells
-        launch["slots"] = self._slots
-        launch["items"] = self._items if items is None else items
-        launch["max_bounces"] = min(plan.max_bounces, steps)
-        launch["refill"] = min(plan.refill, plan.lanes)
-        launch["fill"] = capacity // 2 if splitting else capacity
-        launch["stack_capacity"] = capacity
-        launch["record_capacity"] = self._record_capacity
+        splitting = self.tables.spec.splits
+        launch = launch_of(
+            self.tables,
+            ray_base=first_batch * self._rays_per_batch,
+            slots=self._slots,
+            items=self._items if items is None else items,
+            max_bounces=min(plan.max_bounces, steps),
+            refill=min(plan.refill, plan.lanes),
+            fill=capacity // 2 if splitting else capacity,
+            stack_capacity=capacity,
+            record_capacity=self._record_capacity,
+        )
         self._cl.enqueue_copy(self.device.queue, self._launch_buffer, launch)
 
     def _warm_up(self) -> float:
@@ -315,9 +323,9 @@ class Engine:
             self.statistics.waves += 1
             self._cl.enqueue_copy(self.device.queue, self._queue.items, items)
             while True:
-                unfinished, blocked, interactions = self._launch()
+                unfinished, blocked, interactions, passed = self._launch()
                 self.statistics.interactions += interactions
-                events += interactions
+                events += interactions + passed
                 if events > _EVENTS_BEFORE_FLUSH:
                     total = self._flush(total)
                     self._clear(self._tally)
@@ -353,7 +361,7 @@ class Engine:
             items["next"], items["end"] = bounds[:-1], bounds[1:]
             yield items
 
-    def _launch(self) -> tuple[int, int, int]:
+    def _launch(self) -> tuple[int, ...]:
         cl, queue = self._cl, self.device.queue
         started = time.perf_counter()
         status = np.zeros(len(STATUS), np.int64)
@@ -365,14 +373,12 @@ class Engine:
         self.statistics.enqueue_seconds += time.perf_counter() - started
         counters = np.empty_like(status)
         cl.enqueue_copy(queue, counters, self._status)
-        return int(counters[0]), int(counters[1]), int(counters[2])
+        return tuple(map(int, counters))
 
     def _grow(self, first_batch: int) -> None:
         """Give every segment twice the room; nothing in it is lost."""
         self._queue.grow()
-        if self.plan.composition == "classical":
-            places = self._queue.places
-            self._hits = (self._allocate(16 * places), self._allocate(8 * places))
+        self._hits = self._allocate_hits()
         self._bind()
         self._write_launch(first_batch)
 

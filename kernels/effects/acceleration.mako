@@ -1,4 +1,9 @@
-## tree_node, tree_width, tree_stack; packets; warm_nodes, warm_elements (packets > 1)
+## tree_node (doubles of a node), tree_width (its children), tree_stack; packets; cached_bytes, cache_line
+<%
+    # what stays in the cache: a row's first line, and the two of a node; nodes stand level by level
+    warm_elements = cached_bytes // cache_line
+    warm_nodes = cached_bytes // (4 * 8 * counts["tree_node"])
+%>
 // A tree of boxes over the elements, built on the host (photizon_cl/geometry/tree.py), eight children to a
 // node (photizon_cl/compile/tree_nodes.py).  It stands in the geometry table behind the scene's size.  The
 // boxes of a node stand on a grid of its own: its low corner, its steps, then in bytes the children's
@@ -9,10 +14,10 @@
 // instead, and a packet has one lane.  A work-item keeps several packets and takes them in turn: among
 // many elements the lower nodes and the rows are not in the cache, and while one ray's are fetched the
 // others go on.
-#define TREE_WIDTH ${tree_width}
-#define TREE_STACK ${tree_stack}
+#define TREE_WIDTH ${counts["tree_width"]}
+#define TREE_STACK ${counts["tree_stack"]}
 #define TREE_GRID(node) ((__global const ulong *)((node) + 6))
-#define TREE_LINKS(node) ((__global const int *)((node) + ${tree_node - tree_width // 2}))
+#define TREE_LINKS(node) ((__global const int *)((node) + ${counts["tree_node"] - counts["tree_width"] // 2}))
 #define FIRST_BYTE(bits) ((63 - (int)clz((bits) & (0UL - (bits)))) >> 3)
 // Instead of 1/0.  0 * inf is not a number, with which every box would count as met.
 #define STEEPEST 0x1p500
@@ -154,7 +159,7 @@ FN void search_tree(const scene_t *scene, const packet_t *packets, uint wanted, 
             int link = walk->link;
             do {
                 if (link < 0) {
-                    link = descend(tree + (long)~link * ${tree_node}, &ray, h->t, walk);
+                    link = descend(tree + (long)~link * ${counts["tree_node"]}, &ray, h->t, walk);
                 } else {
                     if (link != walk->departed) {
                         __global const double *row = scene->geometry + (long)link * ROW;
@@ -174,8 +179,8 @@ FN void search_tree(const scene_t *scene, const packet_t *packets, uint wanted, 
             if (link == NOTHING) {
                 wanted &= ~(1u << l);
             } else if (link < 0) {
-                FETCH(tree + (long)~link * ${tree_node});
-                FETCH(tree + (long)~link * ${tree_node} + ${tree_node // 2});
+                FETCH(tree + (long)~link * ${counts["tree_node"]});
+                FETCH(tree + (long)~link * ${counts["tree_node"]} + ${counts["tree_node"] // 2});
             } else {
                 FETCH(scene->geometry + (long)link * ROW);
                 FETCH(&CODE_ENTRY(scene, link));

@@ -1,14 +1,14 @@
 // Russian roulette: a ray below the floor goes on with twice its weight or ends, each with
 // probability 1/2 (a draw from [0, 1) below 1/2 goes on).  Both changes of weight are booked.
 // reads: weight, floor (fraction of the launched weight), draw DECIDE_ROULETTE.
-// writes: weight, alive; rows killed and boosted.
-FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger) {
-% if "shares" in effects:
+// writes: weight, alive; rows killed and boosted.  Played once an interaction, by the lanes of `met`.
+FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met) {
+% if "launched" in ray_real:
     const real floor_weight = p->launched * launch->roulette_floor;
 % else:
     const real floor_weight = splat(launch->roulette_floor);
 % endif
-    const mask low = p->alive & LT(p->w, floor_weight);
+    const mask low = p->alive & met & LT(p->w, floor_weight);
     if (ANY(low)) {
         real u, v;
         draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_ROULETTE,

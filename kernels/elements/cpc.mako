@@ -12,8 +12,7 @@
 // from the side the ray starts on.
 //
 // Lengths are scaled by a power of two so that a' is about 1.
-// Row: 0-2 centre of the exit, 3 a', 4 L, 5 C, 6 S, 7 B, 8 D, 9 E, 10 alpha, 11 beta, 12 radius of a
-// cylinder around it, 13 scale, 14 rounding bound of a coordinate; 15-23 frame.  All but 0-2 scaled.
+// Row: CPC_, see photizon_cl/scene/elements/cpc.py; all but the position and the frame scaled.
 typedef struct { real f, slope; } profile_${cls.suffix};
 
 FN profile_${cls.suffix} profile_at_${cls.suffix}(__global const double *row, local_${cls.suffix} r, real t) {
@@ -21,11 +20,11 @@ FN profile_${cls.suffix} profile_at_${cls.suffix}(__global const double *row, lo
     const real x = fma(t, r.dx, r.x), y = fma(t, r.dy, r.y), z = fma(t, r.dz, r.z);
     const real radius = sqrt(fma(x, x, y * y));
     const real flat_speed = sqrt(fma(r.dx, r.dx, r.dy * r.dy));
-    const real q = fma(z, fma(-z, splat(row[6] * row[6]), splat(row[8])), splat(row[9]));
-    const real wall = 2.0 * q / (fma(z, splat(2.0 * row[5] * row[6]), splat(row[7]))
-                                 + sqrt(fmax(fma(z, splat(row[11]), splat(row[10])), splat(0.0))));
-    const real w = fma(wall, splat(row[5]), z * row[6]);
-    const real wall_slope = (row[8] - 2.0 * row[6] * w) / fma(w, splat(2.0 * row[5]), splat(row[7]));
+    const real q = fma(z, fma(-z, splat(row[CPC_SINE] * row[CPC_SINE]), splat(row[CPC_D])), splat(row[CPC_E]));
+    const real wall = 2.0 * q / (fma(z, splat(2.0 * row[CPC_COSINE] * row[CPC_SINE]), splat(row[CPC_B]))
+                                 + sqrt(fmax(fma(z, splat(row[CPC_BETA]), splat(row[CPC_ALPHA])), splat(0.0))));
+    const real w = fma(wall, splat(row[CPC_COSINE]), z * row[CPC_SINE]);
+    const real wall_slope = (row[CPC_D] - 2.0 * row[CPC_SINE] * w) / fma(w, splat(2.0 * row[CPC_COSINE]), splat(row[CPC_B]));
     const real speed = SEL(GT(radius, splat(0.0)), fma(x, r.dx, y * r.dy) / radius, flat_speed);
     out.f = wall - radius;
     out.slope = fma(wall_slope, r.dz, -speed);
@@ -35,14 +34,14 @@ FN profile_${cls.suffix} profile_at_${cls.suffix}(__global const double *row, lo
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
                       const scene_t *scene, search_t *search, real *t_out, lint *face_out) {
     local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
-    const double scale = row[13];
+    const double scale = row[CPC_SCALE];
     r.x *= scale; r.y *= scale; r.z *= scale;
     const real zero = splat(0.0), far = splat(INFINITY);
     const mask nowhere = lsplat(0L);
     // the part of the ray between the apertures, rims included
     const real size = fabs(r.x) + fabs(r.y) + fabs(r.z);
-    const real room = fma(size, splat(4.0 * UNIT_ROUNDOFF), splat(fma(row[4], 8.0 * UNIT_ROUNDOFF, row[14])));
-    const real below = -room, above = room + row[4];
+    const real room = fma(size, splat(4.0 * UNIT_ROUNDOFF), splat(fma(row[CPC_LENGTH], 8.0 * UNIT_ROUNDOFF, row[CPC_NEAR])));
+    const real below = -room, above = room + row[CPC_LENGTH];
     const real ta = (below - r.z) / r.dz, tb = (above - r.z) / r.dz;
     const mask along = EQ(r.dz, zero);
     const mask between = GE(r.z, below) & LE(r.z, above);
@@ -50,7 +49,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     real last = SEL(along, SEL(between, far, -far), fmax(ta, tb));
     // and inside the cylinder around it
     const real aa = fma(r.dx, r.dx, r.dy * r.dy), bb = fma(r.x, r.dx, r.y * r.dy);
-    const real cc = fma(r.x, r.x, r.y * r.y) - row[12] * row[12];
+    const real cc = fma(r.x, r.x, r.y * r.y) - row[CPC_OUTER] * row[CPC_OUTER];
     const real root = sqrt(fmax(fma(bb, bb, -aa * cc), zero));
     const real q = -(bb + copysign(root, bb));
     const mask axial = EQ(aa, zero);
@@ -69,12 +68,12 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         return lsplat(0L);
     }
     const profile_${cls.suffix} start = profile_at_${cls.suffix}(row, r, zero);
-    const real near = fma(size, splat(8.0 * UNIT_ROUNDOFF), splat(row[14]));
+    const real near = fma(size, splat(8.0 * UNIT_ROUNDOFF), splat(row[CPC_NEAR]));
     mask on_wall = LE(fabs(start.f), near), starts = nowhere;
 % if "contact" in effects:
-    const double most = fma(2.0 * row[12] + row[4], 8.0 * UNIT_ROUNDOFF, row[14]);
+    const double most = fma(2.0 * row[CPC_OUTER] + row[CPC_LENGTH], 8.0 * UNIT_ROUNDOFF, row[CPC_NEAR]);
     const mask beside = ~departed & p->alive & LE(fabs(start.f), splat(64.0 * most))
-        & LE(fabs(r.z - 0.5 * row[4]), splat(128.0 * most + 0.5 * row[4]));
+        & LE(fabs(r.z - 0.5 * row[CPC_LENGTH]), splat(128.0 * most + 0.5 * row[CPC_LENGTH]));
     search->doubtful |= beside;
     on_wall = nowhere;
     if (search->careful && ANY(beside)) {
@@ -121,10 +120,10 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 
 FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *px, real *py, real *pz,
                         real *nx, real *ny, real *nz) {
-    const real scale = gather(scene->geometry + 13, row), length = gather(scene->geometry + 4, row);
-    const real c = gather(scene->geometry + 5, row), s = gather(scene->geometry + 6, row);
-    const real b = gather(scene->geometry + 7, row), d = gather(scene->geometry + 8, row);
-    const real e = gather(scene->geometry + 9, row);
+    const real scale = gather(scene->geometry + CPC_SCALE, row), length = gather(scene->geometry + CPC_LENGTH, row);
+    const real c = gather(scene->geometry + CPC_COSINE, row), s = gather(scene->geometry + CPC_SINE, row);
+    const real b = gather(scene->geometry + CPC_B, row), d = gather(scene->geometry + CPC_D, row);
+    const real e = gather(scene->geometry + CPC_E, row);
     const real x = *px * scale, y = *py * scale;
     real z = *pz * scale, r = sqrt(fma(x, x, y * y));
     const real ux = x / r, uy = y / r;

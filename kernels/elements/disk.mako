@@ -11,11 +11,11 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
 // moved into it.
 FN mask about_${cls.suffix}(__global const double *row, real near, real *x, real *y) {
     const real r = sqrt(fma(*x, *x, *y * *y));
-    const mask in = LE(r, splat(fma(2.0, row[3] - row[5], row[3])));
-    const real k = SEL(in & GT(r, splat(row[3])), row[3] / r, splat(1.0));
+    const mask in = LE(r, splat(fma(2.0, row[FLAT_OUTER_U] - row[FLAT_INNER_U], row[FLAT_OUTER_U])));
+    const real k = SEL(in & GT(r, splat(row[FLAT_OUTER_U])), row[FLAT_OUTER_U] / r, splat(1.0));
     *x *= k;
     *y *= k;
-    return in | LE(r, row[3] + row[9] * near);
+    return in | LE(r, row[FLAT_OUTER_U] + row[FLAT_ASIDE] * near);
 }
 % endif
 
@@ -24,16 +24,16 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
                       mask *edge) {
     real x, y, fx, fy;
     const mask on = flat_${cls.suffix}(row, code, p, departed, scene, search, t, &x, &y, &fx, &fy);
-    const real bound = fma(fx + fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[3]));
+    const real bound = fma(fx + fy, splat(4.0 * UNIT_ROUNDOFF), splat(row[FLAT_OUTER_U]));
     const real r2 = fma(x, x, y * y);
     const mask ok = on & LE(r2, bound * bound);
-    *edge = ok & GT(r2, splat(row[5] * row[5]));
+    *edge = ok & GT(r2, splat(row[FLAT_INNER_U] * row[FLAT_INNER_U]));
     return ok;
 }
 
 // Moves a point beyond the rim's inner bound back onto it; gives the lanes moved.
 FN mask clamp_${cls.suffix}(const scene_t *scene, lint row, mask m, real *x, real *y) {
-    const real radius = gather(scene->geometry + 5, row);
+    const real radius = gather(scene->geometry + FLAT_INNER_U, row);
     const real r = sqrt(fma(*x, *x, *y * *y));
     const mask moved = m & GT(r, radius);
     const real k = SEL(moved, radius / r, splat(1.0));

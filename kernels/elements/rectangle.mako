@@ -10,17 +10,17 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
 // it may be on a face that meets it at the edge.  One as near as what is put back onto the rectangle
 // may be is moved into it.
 FN mask about_${cls.suffix}(__global const double *row, real near, real *x, real *y) {
-    const real aside = row[9] * near;
+    const real aside = row[FLAT_ASIDE] * near;
     mask in = lsplat(-1L), about = in;
-% for x, plus, minus in (("x", 3, 11), ("y", 4, 12)):
+% for x, edge in (("x", "U"), ("y", "V")):
     {
-        const double high = row[${plus}], low = -row[${minus}];
-        in &= LE(*${x}, splat(fma(2.0, high - row[${plus + 2}], high))) & GE(*${x}, splat(fma(2.0, low + row[${minus + 2}], low)));
+        const double high = row[FLAT_OUTER_${edge}], low = -row[FLAT_OUTER_MINUS_${edge}];
+        in &= LE(*${x}, splat(fma(2.0, high - row[FLAT_INNER_${edge}], high))) & GE(*${x}, splat(fma(2.0, low + row[FLAT_INNER_MINUS_${edge}], low)));
         about &= LE(*${x}, high + aside) & GE(*${x}, low - aside);
     }
 % endfor
-    *x = SEL(in, clamp(*x, splat(-row[11]), splat(row[3])), *x);
-    *y = SEL(in, clamp(*y, splat(-row[12]), splat(row[4])), *y);
+    *x = SEL(in, clamp(*x, splat(-row[FLAT_OUTER_MINUS_U]), splat(row[FLAT_OUTER_U])), *x);
+    *y = SEL(in, clamp(*y, splat(-row[FLAT_OUTER_MINUS_V]), splat(row[FLAT_OUTER_V])), *y);
     return in | about;
 }
 % endif
@@ -32,20 +32,20 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const mask on = flat_${cls.suffix}(row, code, p, departed, scene, search, t, &x, &y, &fx, &fy);
     const real bx = fx * (4.0 * UNIT_ROUNDOFF), by = fy * (4.0 * UNIT_ROUNDOFF);
 % if cls.axis is None:
-    const mask ok = on & LE(x, bx + row[3]) & GE(x, -(bx + row[11])) & LE(y, by + row[4]) & GE(y, -(by + row[12]));
-    *edge = ok & (GT(x, splat(row[5])) | LT(x, splat(-row[13])) | GT(y, splat(row[6])) | LT(y, splat(-row[14])));
+    const mask ok = on & LE(x, bx + row[FLAT_OUTER_U]) & GE(x, -(bx + row[FLAT_OUTER_MINUS_U])) & LE(y, by + row[FLAT_OUTER_V]) & GE(y, -(by + row[FLAT_OUTER_MINUS_V]));
+    *edge = ok & (GT(x, splat(row[FLAT_INNER_U])) | LT(x, splat(-row[FLAT_INNER_MINUS_U])) | GT(y, splat(row[FLAT_INNER_V])) | LT(y, splat(-row[FLAT_INNER_MINUS_V])));
 % else:
     const real ax = fabs(x), ay = fabs(y);
-    const mask ok = on & LE(ax, bx + row[3]) & LE(ay, by + row[4]);
-    *edge = ok & (GT(ax, splat(row[5])) | GT(ay, splat(row[6])));
+    const mask ok = on & LE(ax, bx + row[FLAT_OUTER_U]) & LE(ay, by + row[FLAT_OUTER_V]);
+    *edge = ok & (GT(ax, splat(row[FLAT_INNER_U])) | GT(ay, splat(row[FLAT_INNER_V])));
 % endif
     return ok;
 }
 
 // Moves a point beyond the edge's inner bound back onto it; gives the lanes moved.
 FN mask clamp_${cls.suffix}(const scene_t *scene, lint row, mask m, real *x, real *y) {
-    const real hx = gather(scene->geometry + 5, row), hy = gather(scene->geometry + 6, row);
-    const real lx = -gather(scene->geometry + 13, row), ly = -gather(scene->geometry + 14, row);
+    const real hx = gather(scene->geometry + FLAT_INNER_U, row), hy = gather(scene->geometry + FLAT_INNER_V, row);
+    const real lx = -gather(scene->geometry + FLAT_INNER_MINUS_U, row), ly = -gather(scene->geometry + FLAT_INNER_MINUS_V, row);
     const mask moved = m & (GT(*x, hx) | LT(*x, lx) | GT(*y, hy) | LT(*y, ly));
     *x = SEL(moved, clamp(*x, lx, hx), *x);
     *y = SEL(moved, clamp(*y, ly, hy), *y);

@@ -1,37 +1,36 @@
-## cls: the element class (.ported); rendered once a class
-// Sphere${", with a port" if cls.ported else ""}.
-// Row: 0-2 centre, 3 radius, 4 1/radius^2, 5 1/radius, 6 height of the port's rim with its rounding
-// bound, 7 rounding bound of |f|^2 - R^2, 15-23 frame.
+## cls: the element class (.opening); rendered once a class
+// Sphere${", with a port" if cls.opening else ""}.
+// Row: SPHERE_, see photizon_cl/scene/elements/sphere.py.
 //
 // With f the origin seen from the centre and b = -f.d: the closest approach is b along the ray at
 // distance |l|, and the roots are b -+ s, s^2 = R^2 - |l|^2.  The larger root in magnitude is taken
 // as it stands and the other from the product of the roots.  A ray that left this sphere has one
 // root at 0, which is removed, and the other at 2b, reached only from inside.  A tangent ray (s = 0)
 // hits.
-% if cls.ported:
+% if cls.opening:
 FN mask in_port_${cls.suffix}(__global const double *row, real fx, real fy, real fz,
                           real dx, real dy, real dz, real t) {
     __global const double *f = row + ROW_FRAME + 6;
     const real h = dot3(fx, fy, fz, splat(f[0]), splat(f[1]), splat(f[2]));
     const real dh = dot3(dx, dy, dz, splat(f[0]), splat(f[1]), splat(f[2]));
-    return GT(fma(t, dh, h), fma(fabs(h), splat(4.0 * UNIT_ROUNDOFF), splat(row[6])));
+    return GT(fma(t, dh, h), fma(fabs(h), splat(4.0 * UNIT_ROUNDOFF), splat(row[SPHERE_RIM])));
 }
 % endif
 
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
                       const scene_t *scene, search_t *search, real *t_out,
                       mask *edge) {
-    const real fx = p->ox - row[0], fy = p->oy - row[1], fz = p->oz - row[2];
+    const real fx = p->ox - row[ROW_X], fy = p->oy - row[ROW_Y], fz = p->oz - row[ROW_Z];
     const real b = -dot3(fx, fy, fz, p->dx, p->dy, p->dz);
     const mask inside = departed & EQ(p->left & 2L, lsplat(0L));
     real t = 2.0 * fabs(b);
     mask ok = inside;
-% if cls.ported:
+% if cls.opening:
     ok &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t);
 % endif
     const mask free_lanes = ~departed & p->alive;
     if (ANY(free_lanes)) {
-        const real radius = splat(row[3]);
+        const real radius = splat(row[SPHERE_RADIUS]);
         const real lx = fma(b, p->dx, fx), ly = fma(b, p->dy, fy), lz = fma(b, p->dz, fz);
         const real l = sqrt(dot3(lx, ly, lz, lx, ly, lz));
         const real discriminant = (radius - l) * (radius + l);
@@ -47,9 +46,9 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         const real other = SEL(EQ(q, splat(0.0)), splat(0.0), c / q);
         real t1 = fmin(q, other), t2 = fmax(q, other);
         mask ok1 = GE(t1, splat(0.0)), ok2 = GE(t2, splat(0.0));
-        mask on_surface = LE(fabs(c), splat(row[7])) & free_lanes;
+        mask on_surface = LE(fabs(c), splat(row[SPHERE_ON_SURFACE])) & free_lanes;
 % if "contact" in effects:
-        const mask beside = LE(fabs(c), splat(64.0 * row[7])) & free_lanes;
+        const mask beside = LE(fabs(c), splat(64.0 * row[SPHERE_ON_SURFACE])) & free_lanes;
 % else:
         const mask beside = on_surface;
 % endif
@@ -57,7 +56,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         if (search->careful && ANY(beside)) {
 % if "contact" in effects:
             // c is 2 R times the height over the sphere
-            const real k = splat(row[5]), height = 0.5 * c * k, near = splat(0.5 * row[7]) * k;
+            const real k = splat(row[SPHERE_INVERSE]), height = 0.5 * c * k, near = splat(0.5 * row[SPHERE_ON_SURFACE]) * k;
             mask on_minus, cross;
             on_surface = starts_on(search, p, beside, code, on_surface, height, near, fx * k, fy * k, fz * k, -b,
                                    &on_minus, &cross);
@@ -73,7 +72,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         const mask real_roots = GE(discriminant, splat(0.0)) | on_surface;
         ok1 &= real_roots;
         ok2 &= real_roots;
-% if cls.ported:
+% if cls.opening:
         ok1 &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t1);
         ok2 &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t2);
 % endif
@@ -89,13 +88,13 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     if (!ANY(m)) return;
 % if cls.single:
     __global const double *one = scene->geometry + ROW * ONLY_ELEMENT(scene, ${cls.number});
-    const real cx = splat(one[0]), cy = splat(one[1]), cz = splat(one[2]);
-    const real k2 = splat(one[4]), k = splat(one[5]);
+    const real cx = splat(one[ROW_X]), cy = splat(one[ROW_Y]), cz = splat(one[ROW_Z]);
+    const real k2 = splat(one[SPHERE_INVERSE_SQUARE]), k = splat(one[SPHERE_INVERSE]);
 % else:
     const lint row = SEL(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
-    const real cx = gather(scene->geometry, row), cy = gather(scene->geometry + 1, row);
-    const real cz = gather(scene->geometry + 2, row);
-    const real k2 = gather(scene->geometry + 4, row), k = gather(scene->geometry + 5, row);
+    const real cx = gather(scene->geometry + ROW_X, row), cy = gather(scene->geometry + ROW_Y, row);
+    const real cz = gather(scene->geometry + ROW_Z, row);
+    const real k2 = gather(scene->geometry + SPHERE_INVERSE_SQUARE, row), k = gather(scene->geometry + SPHERE_INVERSE, row);
 % endif
     real fx = c->x - cx, fy = c->y - cy, fz = c->z - cz;
     // two Newton steps bring |f| to R from any error that leaves a hit meaningful

@@ -10,11 +10,11 @@
 // - Where that says nothing (the edges of two faces), the sign of the distance decides.
 % if "contact" in effects:
 //
-// What is found here is noted for the next search: ${64 // note_bits * note_words - 1} faces in order, so
+// What is found here is noted for the next search: ${64 // counts["note_bits"] * counts["note_words"] - 1} faces in order, so
 // that the order of the search does not matter, and in the lowest place, by `turn_page`, the face that
 // the ray left.
-#define SLOT_BITS ${note_bits}
-#define NO_SLOT ${hex(2**note_bits - 1)}L
+#define SLOT_BITS ${counts["note_bits"]}
+#define NO_SLOT ${hex(2**counts["note_bits"] - 1)}L
 // Element and face, over whether it is on the + side: 16 bits are enough for 2047 elements.  Of a
 // tube's plates (faces from 4 on) those eight apart share a number.  NO_SLOT is none of them.
 #define SLOT_FACE(face) SEL(LT(face, lsplat(4L)), face, ((face) & 7L) + 4L)
@@ -27,7 +27,7 @@ FN mask known_side(const notes_t *notes, mask m, lint code, mask *on_minus) {
     mask here = lsplat(0L);
     *on_minus = here;
     for (int k = 0; k < 64; k += SLOT_BITS) {
-% for n in range(note_words):
+% for n in range(counts["note_words"]):
         {
             const lint one = notes->word${n} >> k & NO_SLOT;
             const mask minus = EQ(one, slot);
@@ -54,18 +54,18 @@ FN lint put_slot(lint *word, int k, lint slot) {
 FN void note(search_t *search, mask m, long code, mask on_minus) {
     const lint slot = SLOT_OF(ELEMENT_OF(code), FACE_OF(code)) | (~on_minus & 1L);
     lint rest = SEL(m, slot, lsplat(NO_SLOT));
-% for n in range(note_words):
-    rest = put_slot(&search->noted.word${n}, ${"SLOT_BITS" if n == note_words - 1 else 0}, rest);
+% for n in range(counts["note_words"]):
+    rest = put_slot(&search->noted.word${n}, ${"SLOT_BITS" if n == counts["note_words"] - 1 else 0}, rest);
 % endfor
 }
 
 // What was noted becomes what is remembered.
 FN void turn_page(packet_t *p, const hit_t *h) {
-    const lint slot = SLOT_OF(p->left >> 34, p->left >> 18 & 0xFFFFL) | (p->left >> 1 & 1L);
-% for n in range(note_words - 1):
+    const lint slot = SLOT_OF(ELEMENT_OF(p->left >> 2), FACE_OF(p->left >> 2)) | (p->left >> 1 & 1L);
+% for n in range(counts["note_words"] - 1):
     p->note${n} = h->noted.word${n};
 % endfor
-    p->note${note_words - 1} = (h->noted.word${note_words - 1} & ~NO_SLOT) | SEL(EQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
+    p->note${counts["note_words"] - 1} = (h->noted.word${counts["note_words"] - 1} & ~NO_SLOT) | SEL(EQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
 }
 
 // The lanes of m that are on the - side of a face, which is noted.  below: what the sign of the
@@ -82,7 +82,7 @@ FN mask side_of(search_t *search, const packet_t *p, mask m, long code, mask sur
     is_minus = SEL(GT(fabs(came), slack), GT(came, splat(0.0)), is_minus);
     is_minus = SEL(sure, below, is_minus);
     notes_t notes;
-% for n in range(note_words):
+% for n in range(counts["note_words"]):
     notes.word${n} = p->note${n};
 % endfor
     mask was_minus;

@@ -4,18 +4,14 @@
     names = "xyz"
 %>
 // ${cls.kind}, ${"tilted" if a is None else "perpendicular to " + names[a]}.
-// Row: 0-2 centre, 3-4 half sizes with their rounding bound, 5-6 half sizes less that bound,
-// 7 rounding bound of where other faces end at the plane, 8 sign of the normal along its axis, 9 how
-// far beside its edge a face that meets it there may be, in units of 7, 10 rounding bound of the plane,
-// no more than 7, to which a tilted one adds with the distance from its centre, 11-12 and 13-14 as 3-4
-// and 5-6 but on the other side of the centre, 15-23 frame.
+// Row: FLAT_, see photizon_cl/scene/elements/flat.py.
 //
 // t where the ray meets the plane.  A ray in the plane does not hit it.  A ray that starts within
 // rounding of the plane starts on it: then t = 0, and `careful` decides whether that is a hit.
 FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
                        const scene_t *scene, search_t *search, real *t_out, real *x, real *y, real *fx, real *fy) {
 % if a is None:
-    const real vx = p->ox - row[0], vy = p->oy - row[1], vz = p->oz - row[2];
+    const real vx = p->ox - row[ROW_X], vy = p->oy - row[ROW_Y], vz = p->oz - row[ROW_Z];
     __global const double *f = row + ROW_FRAME;
     const real u = dot3(vx, vy, vz, splat(f[0]), splat(f[1]), splat(f[2]));
     const real v = dot3(vx, vy, vz, splat(f[3]), splat(f[4]), splat(f[5]));
@@ -23,18 +19,18 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     const real du = dot3(p->dx, p->dy, p->dz, splat(f[0]), splat(f[1]), splat(f[2]));
     const real dv = dot3(p->dx, p->dy, p->dz, splat(f[3]), splat(f[4]), splat(f[5]));
     const real dh = dot3(p->dx, p->dy, p->dz, splat(f[6]), splat(f[7]), splat(f[8]));
-    const mask on_plane = LE(fabs(h), fma(fabs(u) + fabs(v), splat(4.0 * UNIT_ROUNDOFF), splat(row[10])));
+    const mask on_plane = LE(fabs(h), fma(fabs(u) + fabs(v), splat(4.0 * UNIT_ROUNDOFF), splat(row[FLAT_PLANE])));
 % else:
 <% a1, a2 = (a + 1) % 3, (a + 2) % 3 %>
-    const real u = p->o${names[a1]} - row[${a1}], v = p->o${names[a2]} - row[${a2}];
-    const real h = p->o${names[a]} - row[${a}];
+    const real u = p->o${names[a1]} - row[ROW_X + ${a1}], v = p->o${names[a2]} - row[ROW_X + ${a2}];
+    const real h = p->o${names[a]} - row[ROW_X + ${a}];
     const real du = p->d${names[a1]}, dv = p->d${names[a2]}, dh = p->d${names[a]};
 % if "contact" in effects:
     // most rays are far from the plane and need none of the row's second cache line
     mask on_plane = lsplat(0L);
-    if (ANY(LE(fabs(h), splat(64.0 * row[7])) & ~departed)) on_plane = LE(fabs(h), splat(row[10]));
+    if (ANY(LE(fabs(h), splat(64.0 * row[FLAT_ENDS])) & ~departed)) on_plane = LE(fabs(h), splat(row[FLAT_PLANE]));
 % else:
-    const mask on_plane = LE(fabs(h), splat(row[10]));
+    const mask on_plane = LE(fabs(h), splat(row[FLAT_PLANE]));
 % endif
 % endif
     real t = SEL(on_plane, splat(0.0), -h / dh);
@@ -42,7 +38,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     *fy = fabs(v);
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
 % if "contact" in effects:
-    const real most = splat(row[7]);
+    const real most = splat(row[FLAT_ENDS]);
     mask beside = LE(fabs(h), 64.0 * most) & ~departed & p->alive;
     real at_u = u, at_v = v;
     if (ANY(beside)) beside &= about_${cls.suffix}(row, most, &at_u, &at_v);
@@ -52,7 +48,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
 % if a is None:
         const real sign = splat(1.0), nx = splat(f[6]), ny = splat(f[7]), nz = splat(f[8]);
 % else:
-        const real sign = splat(row[8]), n${names[a]} = sign, n${names[(a + 1) % 3]} = splat(0.0), n${names[(a + 2) % 3]} = splat(0.0);
+        const real sign = splat(row[FLAT_SIGN]), n${names[a]} = sign, n${names[(a + 1) % 3]} = splat(0.0), n${names[(a + 2) % 3]} = splat(0.0);
 % endif
         mask on_minus, cross;
         starts_here = starts_on(search, p, beside, code, on_plane, h * sign, most, nx, ny, nz, dh * sign, &on_minus, &cross);
@@ -88,16 +84,16 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     c->n${a0} = SEL(m, AXIS_SIGN(h->code), c->n${a0});
     const mask edge = m & h->edge;
     if (ANY(edge)) {
-        const real c1 = gather(scene->geometry + ${(a + 1) % 3}, row);
-        const real c2 = gather(scene->geometry + ${(a + 2) % 3}, row);
+        const real c1 = gather(scene->geometry + ROW_X + ${(a + 1) % 3}, row);
+        const real c2 = gather(scene->geometry + ROW_X + ${(a + 2) % 3}, row);
         real k1 = c->${a1} - c1, k2 = c->${a2} - c2;
         const mask moved = clamp_${cls.suffix}(scene, row, edge, &k1, &k2);
         c->${a1} = SEL(moved, c1 + k1, c->${a1});
         c->${a2} = SEL(moved, c2 + k2, c->${a2});
     }
 % else:
-    const real cx = gather(scene->geometry, row), cy = gather(scene->geometry + 1, row);
-    const real cz = gather(scene->geometry + 2, row);
+    const real cx = gather(scene->geometry + ROW_X, row), cy = gather(scene->geometry + ROW_Y, row);
+    const real cz = gather(scene->geometry + ROW_Z, row);
     const real wx = gather(scene->geometry + ROW_FRAME + 6, row);
     const real wy = gather(scene->geometry + ROW_FRAME + 7, row);
     const real wz = gather(scene->geometry + ROW_FRAME + 8, row);

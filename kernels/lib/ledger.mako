@@ -1,18 +1,21 @@
-## effects, lanes, ledger_rows (number of rows kept in registers, 0 for none), n_elements where that is > 0
+## effects, lanes, ledger (names of the rows behind the elements'), ledger_rows (number of rows kept in
+## registers, 0 for none), n_elements where that is > 0
 // The ledger of one work-item: what elements absorb, what escapes, what roulette and the generation
-// cap take.  Rows: element 0 ... n-1, escaped, killed, boosted, depth-capped.
+// cap take.  Rows: element 0 ... n-1, then the named ones.
 //
 // Few rows: partial sums per lane in registers, added to the batch's tally when the work-item
 // returns.  Many rows: added to the tally at once.  Either way the sums are exact integers.
-#define ROW_ESCAPED 0
-#define ROW_KILLED 1
-#define ROW_BOOSTED 2
-#define ROW_CAPPED 3
+% for n, name in enumerate(ledger):
+#define ROW_${name.upper()} ${n}
+% endfor
 #define CELL 4
 
 typedef struct {
     __global long *tally;
     lint interactions;
+% if passes:
+    lint passed;
+% endif
 % for r in range(ledger_rows):
     lint a${r}, b${r}, c${r};
 % endfor
@@ -21,6 +24,9 @@ typedef struct {
 FN void open_ledger(ledger_t *ledger, __global long *tally) {
     ledger->tally = tally;
     ledger->interactions = lsplat(0L);
+% if passes:
+    ledger->passed = lsplat(0L);
+% endif
 % for r in range(ledger_rows):
     ledger->a${r} = lsplat(0L); ledger->b${r} = lsplat(0L); ledger->c${r} = lsplat(0L);
 % endfor
@@ -64,7 +70,7 @@ FN void book(ledger_t *ledger, lint row, mask m, image_t image) {
 FN void book_row(const launch_t *launch, ledger_t *ledger, int which, mask m, image_t image) {
 % if ledger_rows:
     // `which` is a constant where this is called: the comparisons vanish
-% for k in range(4):
+% for k in range(len(ledger)):
     if (which == ${k}) {
         ledger->a${n_elements + k} += image.p0 & m;
         ledger->b${n_elements + k} += image.p1 & m;
@@ -85,4 +91,9 @@ FN void close_ledger(ledger_t *ledger) {
         if (c) atom_add(ledger->tally + ${r} * CELL + 2, c);
     }
 % endfor
+}
+
+// Interactions have a row of their own, the last cell of a batch's tally; only its count is used.
+FN void count_interactions(const launch_t *launch, const ledger_t *ledger, long n) {
+    atom_add(ledger->tally + (launch->n_cells - 1) * CELL + 3, n);
 }

@@ -21,6 +21,13 @@ FN image_t image_of(real w) {
     r.p2 = AS_LINT(t2) - zero;
     return r;
 }
+FN image_t image_sum(image_t a, image_t b) {
+    image_t r;
+    r.p0 = a.p0 + b.p0;
+    r.p1 = a.p1 + b.p1;
+    r.p2 = a.p2 + b.p2;
+    return r;
+}
 FN image_t image_difference(image_t a, image_t b) {
     image_t r;
     r.p0 = a.p0 - b.p0;

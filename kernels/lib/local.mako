@@ -5,7 +5,7 @@ typedef struct { real x, y, z, dx, dy, dz; } local_${cls.suffix};
 
 FN local_${cls.suffix} to_local_${cls.suffix}(__global const double *row, const packet_t *p) {
     local_${cls.suffix} r;
-    const real vx = p->ox - row[0], vy = p->oy - row[1], vz = p->oz - row[2];
+    const real vx = p->ox - row[ROW_X], vy = p->oy - row[ROW_Y], vz = p->oz - row[ROW_Z];
     __global const double *f = row + ROW_FRAME;
     r.x = dot3(vx, vy, vz, splat(f[0]), splat(f[1]), splat(f[2]));
     r.y = dot3(vx, vy, vz, splat(f[3]), splat(f[4]), splat(f[5]));
@@ -24,8 +24,8 @@ FN void turn_${cls.suffix}(__global const double *row, real x, real y, real z, r
 // A world point in the frames of the lanes' own elements, and a local vector out of them.
 FN void gather_local_${cls.suffix}(const scene_t *scene, lint row, real px, real py, real pz,
                                real *x, real *y, real *z) {
-    const real vx = px - gather(scene->geometry, row), vy = py - gather(scene->geometry + 1, row);
-    const real vz = pz - gather(scene->geometry + 2, row);
+    const real vx = px - gather(scene->geometry + ROW_X, row), vy = py - gather(scene->geometry + ROW_Y, row);
+    const real vz = pz - gather(scene->geometry + ROW_Z, row);
     __global const double *f = scene->geometry + ROW_FRAME;
     *x = dot3(vx, vy, vz, gather(f, row), gather(f + 1, row), gather(f + 2, row));
     *y = dot3(vx, vy, vz, gather(f + 3, row), gather(f + 4, row), gather(f + 5, row));
@@ -42,8 +42,13 @@ FN void scatter_local_${cls.suffix}(const scene_t *scene, lint row, real x, real
 FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, real *y, real *z,
                         real *nx, real *ny, real *nz);
 
-% if cls.kind == "baffled_tube":
-FN real beside_plates_${cls.suffix}(const scene_t *scene, lint row, const packet_t *p, const hit_t *h, real x, real y, real z);
+% if "moves-hits" in cls.traits:
+// A hit's height moved off a face that it must not be taken for.
+FN real moved_${cls.suffix}(const scene_t *scene, lint row, const packet_t *p, const hit_t *h, real x, real y, real z);
+% endif
+% if "own-sides" in cls.traits:
+// Where the ray came from the - side whatever rounding says, and what counts as inside from either side.
+FN void sides_${cls.suffix}(const packet_t *p, const hit_t *h, mask m, contact_t *c);
 % endif
 
 // The hit point put back onto its face, and the normal, for the lanes in m.
@@ -52,31 +57,21 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     const lint row = SEL(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
     real x, y, z, nx, ny, nz, wx, wy, wz;
     gather_local_${cls.suffix}(scene, row, c->x, c->y, c->z, &x, &y, &z);
-% if cls.kind == "baffled_tube":
-    z = beside_plates_${cls.suffix}(scene, row, p, h, x, y, z);
+% if "moves-hits" in cls.traits:
+    z = moved_${cls.suffix}(scene, row, p, h, x, y, z);
 % endif
     shape_${cls.suffix}(scene, row, FACE_OF(h->code), &x, &y, &z, &nx, &ny, &nz);
     scatter_local_${cls.suffix}(scene, row, x, y, z, &wx, &wy, &wz);
-    c->x = SEL(m, wx + gather(scene->geometry, row), c->x);
-    c->y = SEL(m, wy + gather(scene->geometry + 1, row), c->y);
-    c->z = SEL(m, wz + gather(scene->geometry + 2, row), c->z);
+    c->x = SEL(m, wx + gather(scene->geometry + ROW_X, row), c->x);
+    c->y = SEL(m, wy + gather(scene->geometry + ROW_Y, row), c->y);
+    c->z = SEL(m, wz + gather(scene->geometry + ROW_Z, row), c->z);
     scatter_local_${cls.suffix}(scene, row, nx, ny, nz, &wx, &wy, &wz);
     c->nx = SEL(m, wx, c->nx); c->ny = SEL(m, wy, c->ny); c->nz = SEL(m, wz, c->nz);
+% if "own-sides" in cls.traits:
+    sides_${cls.suffix}(p, h, m, c);
+% else:
     // a ray inside ends on the inside, whatever the rounding of d.n says
-    const mask same = m & EQ(WITHOUT_FACE(p->left >> 2), WITHOUT_FACE(h->code));
-    const mask was_inside = EQ(p->left & 2L, lsplat(0L));
-% if cls.kind == "baffled_tube":
-    const mask plate = GE(FACE_OF(h->code), lsplat(4L));
-% if "contact" in effects:
-    // ... unless it is in a corner, where its side of every face is known
-    const mask inward = GT(h->t, splat(0.0));
-% else:
-    const mask inward = lsplat(-1L);
-% endif
-    c->from_minus |= same & ~plate & inward & (was_inside | GE(FACE_OF(p->left >> 2), lsplat(4L)));
-    c->inner |= m & plate;
-% else:
-    c->from_minus |= same & was_inside;
+    c->from_minus |= m & EQ(WITHOUT_FACE(p->left >> 2), WITHOUT_FACE(h->code)) & EQ(p->left & 2L, lsplat(0L));
 % endif
 }
 

@@ -5,7 +5,7 @@
 FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, long code, const packet_t *p, lint left,
                        search_t *search, hit_t *h) {
     real t;
-% if cls.local:
+% if cls.faced:
     lint face;
     const mask ok = hit_${cls.suffix}(row, code, p, left, scene, search, &t, &face);
     const lint hit_code = WITH_FACE(code, face);
@@ -24,7 +24,7 @@ FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, lon
 % if cls.flat:
     h->edge = SEL(closer, edge, h->edge);
 % if cls.axis is not None:
-    h->plane = SEL(closer, splat(row[${cls.axis}]), h->plane);
+    h->plane = SEL(closer, splat(row[ROW_X + ${cls.axis}]), h->plane);
 % endif
 % endif
 }

@@ -8,7 +8,7 @@ FN void begin_search(search_t *search, int careful, hit_t *h) {
     search->careful = careful;
     search->doubtful = lsplat(0L);
 % if "contact" in effects:
-% for n in range(note_words):
+% for n in range(counts["note_words"]):
     search->noted.word${n} = lsplat(-1L);
 % endfor
 % endif

@@ -1,4 +1,5 @@
-## effects, classes, launch_struct (text of the typedef), item_struct, queue fields
+## effects, classes, splits; launch_struct, item_struct, ray_struct (text of members); hit_fields; columns,
+## strides; code (fields of a code); counts (of notes)
 // The ray packet, the surface hit, and what one launch is told.
 
 ${launch_struct}
@@ -7,26 +8,9 @@ ${item_struct}
 // Packets that a work-item keeps; more than one where they are taken in turn (effects/acceleration.mako).
 #define PACKETS ${packets}
 
-// A ray in every lane.  Weights are relative to the heaviest launched ray of the scene.
-// left: the face this ray left, as code << 2 | (now on the + side) << 1 | (came from the + side),
-// or NO_FACE for a launched ray.  The + side of a face is the one its outward normal points to.
-// note: the faces within rounding of where it started last, with the side of each that it was on
-// (faces.mako).  came: the last segment that had a length.
+// A ray in every lane.  The + side of a face is the one its outward normal points to.
 typedef struct {
-    real ox, oy, oz, dx, dy, dz, w;
-    lint left;
-% if "contact" in effects:
-    lint ${", ".join(f"note{n}" for n in range(note_words))};
-    real came_x, came_y, came_z;
-% endif
-    word ray_lo, ray_hi, generation;
-% if "splitting" in effects:
-    luint path;
-% endif
-% if "shares" in effects and "roulette" in effects:
-    real launched;
-% endif
-    mask alive;
+${ray_struct}    mask alive;
 } packet_t;
 
 // What the kernels read of the compiled scene.
@@ -39,21 +23,18 @@ typedef struct {
 
 % if "contact" in effects:
 // Faces and the side of each that a ray is on (faces.mako).
-typedef struct { lint ${", ".join(f"word{n}" for n in range(note_words))}; } notes_t;
+typedef struct { lint ${", ".join(f"word{n}" for n in range(counts["note_words"]))}; } notes_t;
 
 % endif
-// code: element number << 32 | face << 16 | has a detector << 12 | surface kind << 8 | normal points
-// down its axis << 7 | element class.  plane: the coordinate of a flat face across an axis.  edge: it
-// was met within rounding of its edge.  noted: the faces within rounding of the ray's start, which it
-// will remember.
 typedef struct {
-    real t;
-    lint code;
+% for field in hit_fields:
+% if "." not in field.name:
+    ${{"real": "real", "long": "lint", "mask": "mask"}[field.type]} ${field.name};  // ${field.meaning}
+% endif
+% endfor
     mask found;
-    real plane;
-    mask edge;
 % if "contact" in effects:
-    notes_t noted;
+    notes_t noted;  // the faces within rounding of the ray's start, which it will remember
 % endif
 } hit_t;
 
@@ -64,17 +45,25 @@ typedef struct {
     mask from_minus;  // came from the - side whatever the rounding of d.n says
 } contact_t;
 
-// Columns of an element's row in the geometry table.
-#define ROW ${row_stride}
-#define ROW_FRAME ${row_frame}
-#define ELEMENT_OF(code) ((code) >> 32)
-#define FACE_OF(code) (((code) >> 16) & 0xFFFFL)
-#define WITHOUT_FACE(code) ((code) & ~0xFFFF0000L)
-#define WITH_FACE(code, face) ((code) | ((face) << 16))
-#define HAS_DETECTOR(code) NE((code) & (1L << 12), lsplat(0L))
-#define SURFACE_OF(code) (((code) >> 8) & 15L)
-#define AXIS_SIGN(code) SEL(NE((code) & 128L, lsplat(0L)), splat(-1.0), splat(1.0))
-#define CLASS_OF(code) ((code) & 127L)
+// Columns of the tables' rows, as the kinds in use declare them.  An element's row begins with its
+// position, and ends with its frame.
+#define ROW ${strides.row}
+#define ROW_FRAME ${strides.row_frame}
+#define SOURCE_STRIDE ${strides.source}
+#define SOURCE_FRAME ${strides.source_frame}
+% for name, place in columns:
+#define ${name} ${place}
+% endfor
+
+// The code of an element, and of a face of it (hostcode/program/codes.py).
+#define ELEMENT_OF(code) ((code) >> ${code["element"].shift})
+#define FACE_OF(code) (((code) >> ${code["face"].shift}) & ${hex(code["face"].mask)}L)
+#define WITHOUT_FACE(code) ((code) & ~(${hex(code["face"].mask)}L << ${code["face"].shift}))
+#define WITH_FACE(code, face) ((code) | ((face) << ${code["face"].shift}))
+#define HAS_DETECTOR(code) NE((code) & (1L << ${code["detector"].shift}), lsplat(0L))
+#define SURFACE_OF(code) (((code) >> ${code["surface"].shift}) & ${code["surface"].mask}L)
+#define AXIS_SIGN(code) SEL(NE((code) & (1L << ${code["down"].shift}), lsplat(0L)), splat(-1.0), splat(1.0))
+#define CLASS_OF(code) ((code) & ${code["cls"].mask}L)
 
 // The table of codes.  It begins with where each class's first code stands; then, without a tree,
 // where the last end, and the codes by class.  With a tree where that stands in the geometry table,
@@ -91,7 +80,7 @@ typedef struct {
 % endif
 
 FN luint path_of(const packet_t *p) {
-% if "splitting" in effects:
+% if splits:
     return p->path;
 % else:
     return (luint)(1UL);

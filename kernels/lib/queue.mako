@@ -1,4 +1,5 @@
-## queue_real, queue_word, queue_long: the ray fields the queue stores, by type; interleaved
+## ray_fields, ray_real, ray_word, ray_long: what a ray carries, by type; ending_real, ending_word;
+## records, interleaved
 // The queue of waiting rays: a stack for each work-item (its segment), fields as structure of
 // arrays.  No atomics: a segment has one owner.  reads and writes: queue buffers, item->stack.
 typedef struct {
@@ -10,6 +11,7 @@ typedef struct {
 <%
     place = "(i * (long)q->items + (long)q->item)" if interleaved else "((long)(q->item * q->capacity) + i)"
     field = "(long)(q->items * q->capacity)"
+    unsigned = {f.name for f in ray_fields if f.type == "ulong"}
 %>
 FN lint queue_place(const queue_t *q, lint i) {
     return ${place};
@@ -19,14 +21,14 @@ FN lint queue_place(const queue_t *q, lint i) {
 FN void take_rays(const queue_t *q, lint i, mask m, packet_t *p) {
     const lint at = queue_place(q, SEL(m, i, lsplat(0L)));
     const long field = ${field};
-% for n, name in enumerate(queue_real):
+% for n, name in enumerate(ray_real):
     p->${name} = SEL(m, gather(q->reals + ${n} * field, at), p->${name});
 % endfor
-% for n, name in enumerate(queue_word):
+% for n, name in enumerate(ray_word):
     p->${name} = SELW(m, gather_word(q->words + ${n} * field, at), p->${name});
 % endfor
-% for n, name in enumerate(queue_long):
-    p->${name} = SEL(m, ${"AS_LUINT" if name == "path" else ""}(gather_long(q->longs + ${n} * field, at)), p->${name});
+% for n, name in enumerate(ray_long):
+    p->${name} = SEL(m, ${"AS_LUINT" if name in unsigned else ""}(gather_long(q->longs + ${n} * field, at)), p->${name});
 % endfor
     p->alive |= m;
 }
@@ -38,38 +40,38 @@ FN void put_rays(const queue_t *q, lint i, mask m, const packet_t *p) {
 % if lanes == 1:
     if (m) {
         const long k = at;
-% for n, name in enumerate(queue_real):
+% for n, name in enumerate(ray_real):
         q->reals[${n} * field + k] = p->${name};
 % endfor
-% for n, name in enumerate(queue_word):
+% for n, name in enumerate(ray_word):
         q->words[${n} * field + k] = p->${name};
 % endfor
-% for n, name in enumerate(queue_long):
+% for n, name in enumerate(ray_long):
         q->longs[${n} * field + k] = (long)p->${name};
 % endfor
     }
 % else:
     // through memory: a lane is then a load
     union { lint v; long s[LANES]; } place = {at};
-% for name in queue_real:
+% for name in ray_real:
     union { real v; double s[LANES]; } ${name} = {p->${name}};
 % endfor
-% for name in queue_word:
+% for name in ray_word:
     union { word v; uint s[LANES]; } ${name} = {p->${name}};
 % endfor
-% for name in queue_long:
+% for name in ray_long:
     union { lint v; long s[LANES]; } ${name} = {AS_LINT(p->${name})};
 % endfor
     for (uint bits = lane_bits(m); bits; bits &= bits - 1u) {
         const uint l = FIRST_LANE(bits);
         const long k = place.s[l];
-% for n, name in enumerate(queue_real):
+% for n, name in enumerate(ray_real):
         q->reals[${n} * field + k] = ${name}.s[l];
 % endfor
-% for n, name in enumerate(queue_word):
+% for n, name in enumerate(ray_word):
         q->words[${n} * field + k] = ${name}.s[l];
 % endfor
-% for n, name in enumerate(queue_long):
+% for n, name in enumerate(ray_long):
         q->longs[${n} * field + k] = ${name}.s[l];
 % endfor
     }
@@ -84,42 +86,44 @@ FN void push_rays(const queue_t *q, ulong *stack, mask m, const packet_t *p) {
     *stack += n;
 }
 
-% if records:
 // Endings that a detector or the far field counts, for the tally stage.
 typedef struct {
     __global double *reals;
     __global uint *words;
     ulong capacity, item;
 } records_t;
+% if records:
 
 FN void put_records(const records_t *r, ulong *n_records, const ending_t *end) {
     ulong k = r->item * r->capacity + *n_records;
     const ulong first = k;
+<% reals, words = len(ending_real), len(ending_word) %>
 % if lanes == 1:
     if (end->m) {
-        r->reals[4 * k] = end->w;
-        r->reals[4 * k + 1] = end->x;
-        r->reals[4 * k + 2] = end->y;
-        r->reals[4 * k + 3] = end->z;
-        r->words[2 * k] = (uint)end->tag;
-        r->words[2 * k + 1] = end->generation;
+% for n, name in enumerate(ending_real):
+        r->reals[${reals} * k + ${n}] = end->${name};
+% endfor
+% for n, name in enumerate(ending_word):
+        r->words[${words} * k + ${n}] = end->${name};
+% endfor
         k++;
     }
 % else:
     if (!ANY(end->m)) return;
-% for name in "wxyz":
+% for name in ending_real:
     union { real v; double s[LANES]; } ${name} = {end->${name}};
 % endfor
-    union { lint v; long s[LANES]; } tag = {end->tag};
-    union { word v; uint s[LANES]; } generation = {end->generation};
+% for name in ending_word:
+    union { word v; uint s[LANES]; } ${name} = {end->${name}};
+% endfor
     for (uint bits = lane_bits(end->m); bits; bits &= bits - 1u) {
         const uint l = FIRST_LANE(bits);
-        r->reals[4 * k] = w.s[l];
-        r->reals[4 * k + 1] = x.s[l];
-        r->reals[4 * k + 2] = y.s[l];
-        r->reals[4 * k + 3] = z.s[l];
-        r->words[2 * k] = (uint)tag.s[l];
-        r->words[2 * k + 1] = generation.s[l];
+% for n, name in enumerate(ending_real):
+        r->reals[${reals} * k + ${n}] = ${name}.s[l];
+% endfor
+% for n, name in enumerate(ending_word):
+        r->words[${words} * k + ${n}] = ${name}.s[l];
+% endfor
         k++;
     }
 % endif

@@ -1,84 +1,73 @@
-## effects, surfaces (kinds in use: .kind, .number, .single)
+## surfaces (kinds in use: .kind, .number, .single, .absorbs, .splits), effects, recorded, splits, passes
 // What happens to each lane: it escapes, or its surface takes, sends on or splits its weight.
 //
-// reads: packet, hit.  writes: packet (in place), the ledger; `end` says which lanes ended in a
-// place that is recorded, with the weight, the point or direction and the tag that go there;
-// `child` is the reflected child of each lane that split.
+// reads: packet, hit, contact.  writes: packet (in place), the ledger; `end` says which lanes arrive at a
+// place that is recorded, with what is recorded of them; `child` is the second ray of each lane that
+// split.
 typedef struct {
     mask m;
-    real w, x, y, z;
-    lint tag;
-    word generation;
-} ending_t;
+${ending_struct}} ending_t;
 
-// A number of the lane's material; one row serves every element of a kind that has just one.
-FN real material(const scene_t *scene, lint row, long only_row, int column) {
-    if (only_row >= 0) return splat(scene->materials[only_row + column]);
-    return gather(scene->materials + column, row);
-}
-
-<% fresnel = [s.number for s in surfaces if s.kind == "fresnel"] %>
-FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const hit_t *h,
+<%
+    lossless = [s for s in surfaces if not s.absorbs]
+    lossy = [s for s in surfaces if s.absorbs]
+    lossy_splits = any(s.splits for s in lossy)
+%>
+FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const hit_t *h, const contact_t *c,
               ledger_t *ledger, ending_t *end, packet_t *child) {
     const mask found = h->found;
     const mask escaped = p->alive & ~found;
     const lint element = ELEMENT_OF(h->code);
-% if fresnel:
-    const mask takes = found & NE(SURFACE_OF(h->code), lsplat(${fresnel[0]}L));
+    // the lanes whose element takes what does not go on
+% if not lossy:
+    const mask takes = lsplat(0L);
 % else:
-    const mask takes = found;
+    const mask takes = found${"".join(f" & NE(SURFACE_OF(h->code), lsplat({s.number}L))" for s in lossless)};
 % endif
 % if packets == 1:
     expect(ledger, element, takes);
 % endif
-    contact_t c;
-    locate(scene, p, h, &c);
     const image_t before = image_of(p->w);
-    ledger->interactions -= found;
 % if any(not s.single for s in surfaces):
     const lint row = MATERIAL_OF(gather_long(scene->codes + launch->material_of, SEL(found, element, lsplat(0L))));
 % else:
     const lint row = lsplat(0L);
 % endif
-    real dx = p->dx, dy = p->dy, dz = p->dz;
-    real after = splat(0.0);
-    mask went_plus = c.came_plus;
-% if "splitting" in effects:
-    mask splits = lsplat(0L);
-    real rx = dx, ry = dy, rz = dz, reflected = splat(0.0);
-% endif
+    outcome_t outcome = no_outcome(p, c);
 % for surface in surfaces:
     {
-        const long only = ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"};
+        const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}};
 % if len(surfaces) > 1:
-        const mask m = found & EQ(SURFACE_OF(h->code), lsplat(${surface.number}L));
-        if (ANY(m))
+        const encounter_t event = {found & EQ(SURFACE_OF(h->code), lsplat(${surface.number}L)), p, c, launch->seed};
+        if (ANY(event.m))
 % else:
-        const mask m = found;
+        const encounter_t event = {found, p, c, launch->seed};
 % endif
-% if surface.kind == "absorber":
-        meet_absorber(m, &after);
-% elif surface.kind == "mirror":
-        meet_mirror(m, p, &c, material(scene, row, only, 0), &dx, &dy, &dz, &after, &went_plus);
-% elif surface.kind == "lambertian":
-        meet_lambertian(m, p, &c, material(scene, row, only, 0), launch->seed, &dx, &dy, &dz, &after, &went_plus);
-% elif surface.kind == "fresnel":
-        splits = meet_fresnel(m, p, &c, material(scene, row, only, 0), material(scene, row, only, 1),
-                              material(scene, row, only, 2), material(scene, row, only, 3),
-                              &dx, &dy, &dz, &after, &went_plus, &rx, &ry, &rz, &reflected);
-% endif
+        meet_${surface.kind}(&event, &material, &outcome);
     }
 % endfor
+% if passes:
+    const mask met = found & ~outcome.passes;
+    ledger->passed -= found & outcome.passes;
+% else:
+    const mask met = found;
+% endif
+    ledger->interactions -= met;
 
     // what the surface keeps, and what leaves the scene
-% if any(s.kind != "fresnel" for s in surfaces):
+% if lossy:
     {
-        const image_t kept = image_difference(before, image_of(after));
-% if fresnel:
+% if lossy_splits:
+        const image_t sent = image_sum(image_of(outcome.w), image_of(SEL(outcome.splits, outcome.second_w, splat(0.0))));
+        const image_t kept = image_difference(before, sent);
+% else:
+        const image_t kept = image_difference(before, image_of(outcome.w));
+% endif
+% if lossless:
         book(ledger, element, takes, kept);
         book_row(launch, ledger, ROW_ESCAPED, escaped, before);
 % else:
-        // an escaping lane has after = 0: one booking serves both
+        // of an escaping lane nothing goes on: one booking serves both
         book(ledger, SEL(found, element, lsplat((long)launch->n_elements)), p->alive, kept);
 % endif
     }
@@ -86,25 +75,28 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     book_row(launch, ledger, ROW_ESCAPED, escaped, before);
 % endif
 
-% if records:
-    const mask ended = found & LE(after, splat(0.0));
+% if recorded:
     end->m = lsplat(0L);
-% if "far-field" in effects:
+% if "escapes" in recorded:
     end->m |= escaped;
 % endif
-% if "detector" in effects:
-    end->m |= ended & HAS_DETECTOR(h->code);
+% if "arrivals" in recorded:
+    end->m |= found & HAS_DETECTOR(h->code);
 % endif
-    end->w = p->w;
-    end->x = SEL(found, c.x, p->dx);
-    end->y = SEL(found, c.y, p->dy);
-    end->z = SEL(found, c.z, p->dz);
-    end->tag = SEL(found, (element << 1) | (c.came_plus & ~c.inner & 1L), lsplat(-1L));
-    end->generation = p->generation;
+% for field in ending_fields:
+    end->${field.name} = ${field.value};
+% endfor
 % endif
+% for statement in hooks["surface"]:
+    ${statement}
+% endfor
 
-    const lint face = (h->code << 2) | (c.came_plus & 1L);
+    const lint face = (h->code << 2) | (c->came_plus & 1L);
+% if passes:
+    p->generation += SELW(met, wsplat(1u), wsplat(0u));
+% else:
     p->generation += 1u;
+% endif
 % if "contact" in effects:
     // a segment no longer than the rounding of its ends has no direction to speak of
     const mask stayed = LE(h->t, (fabs(p->ox) + fabs(p->oy) + fabs(p->oz)) * (16.0 * UNIT_ROUNDOFF));
@@ -113,28 +105,20 @@ FN void shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     p->came_z = SEL(stayed, p->came_z, p->dz * h->t);
     turn_page(p, h);
 % endif
-% if "splitting" in effects:
+% if splits:
     *child = *p;
-    child->alive = splits;
-    child->ox = c.x; child->oy = c.y; child->oz = c.z;
-    child->dx = rx; child->dy = ry; child->dz = rz;
-    child->w = reflected;
-    child->left = face | (c.came_plus & 2L);
+    child->alive = outcome.splits;
+    child->ox = c->x; child->oy = c->y; child->oz = c->z;
+    child->dx = outcome.second_dx; child->dy = outcome.second_dy; child->dz = outcome.second_dz;
+    child->w = outcome.second_w;
+    child->left = face | (c->came_plus & 2L);
     child->path = child_path(p->path, 1u);
-    p->path = SEL(splits, child_path(p->path, 0u), p->path);
+    p->path = SEL(outcome.splits, child_path(p->path, 0u), p->path);
 % endif
-    p->ox = c.x; p->oy = c.y; p->oz = c.z;
-    p->dx = dx; p->dy = dy; p->dz = dz;
-    p->w = after;
-    p->left = face | (went_plus & 2L);
-    p->alive = found & GT(after, splat(0.0));
-}
-
-// A ray that would start generation `cap` is booked as depth-capped.
-FN void cap_generations(const launch_t *launch, packet_t *p, ledger_t *ledger) {
-    const mask capped = p->alive & GE(TO_LINT(p->generation), lsplat((long)launch->generation_cap));
-    if (ANY(capped)) {
-        book_row(launch, ledger, ROW_CAPPED, capped, image_of(p->w));
-        p->alive &= ~capped;
-    }
+    p->ox = c->x; p->oy = c->y; p->oz = c->z;
+    p->dx = outcome.dx; p->dy = outcome.dy; p->dz = outcome.dz;
+    p->w = outcome.w;
+    p->left = face | (outcome.went_plus & 2L);
+    p->alive = found & GT(outcome.w, splat(0.0));
+    return met;
 }

@@ -89,8 +89,8 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const lint leave_face = SEL(LE(out0, out1), lsplat(0L), lsplat(1L));
     // Where the faces meet at a small angle the rounding of `enter` and `leave` hides which is
     // larger long before the ray is at the rim: there its distance from the axis decides.
-    const real near = fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(4.0 * UNIT_ROUNDOFF), splat(row[7]));
-    const real rx = fma(enter, r.dx, r.x), ry = fma(enter, r.dy, r.y), rim = near + row[3];
+    const real near = fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(4.0 * UNIT_ROUNDOFF), splat(row[SOLID_NEAR]));
+    const real rx = fma(enter, r.dx, r.x), ry = fma(enter, r.dy, r.y), rim = near + row[SOLID_RIM];
     const mask meets = LE(enter, leave + near / fabs(r.dz)) & LE(fma(rx, rx, ry * ry), rim * rim);
     const mask begins = begins0 | begins1;
     const mask from_outside = ~begins & GE(enter, splat(0.0));

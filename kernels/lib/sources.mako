@@ -1,8 +1,3 @@
-## sources: the source kinds in use, each with .kind, .stem and .number
-// Fresh rays.  Ray i of a batch belongs to the source whose range of i holds it.
-//
-// Row of the source table: 0-2 position, 3 radius, 4 launched weight, 5 first ray, 6 behind the
-// last ray, 7 needs a position draw, 8-16 frame.
-#define SOURCE_STRIDE ${source_stride}
-#define SOURCE_RADIUS 3
-#define SOURCE_FRAME 8
+// Fresh rays.  Ray i of a batch belongs to the source whose range of i holds it.  Emission functions take
+// the source's row and two pairs of uniforms in [0, 1); those of sources that draw no position make no
+// use of the second.

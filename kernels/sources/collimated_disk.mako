@@ -3,9 +3,9 @@ FN void emit_collimated_disk(__global const double *source, real u, real v, real
                              real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(pv, &s, &c);
-    const real r = sqrt(pu) * source[SOURCE_RADIUS];
+    const real r = sqrt(pu) * source[COLLIMATED_DISK_RADIUS];
     from_frame(source + SOURCE_FRAME, r * c, r * s, splat(0.0), x, y, z);
-    *x += source[0]; *y += source[1]; *z += source[2];
+    *x += source[SOURCE_X]; *y += source[SOURCE_Y]; *z += source[SOURCE_Z];
     *dx = splat(source[SOURCE_FRAME + 6]);
     *dy = splat(source[SOURCE_FRAME + 7]);
     *dz = splat(source[SOURCE_FRAME + 8]);

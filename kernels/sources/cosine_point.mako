@@ -4,6 +4,6 @@ FN void emit_cosine_point(__global const double *source, real u, real v, real pu
     real s, c;
     sincos_turns(v, &s, &c);
     const real sin_theta = sqrt(u);
-    *x = splat(source[0]); *y = splat(source[1]); *z = splat(source[2]);
+    *x = splat(source[SOURCE_X]); *y = splat(source[SOURCE_Y]); *z = splat(source[SOURCE_Z]);
     from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, sqrt(1.0 - u), dx, dy, dz);
 }

@@ -4,7 +4,7 @@ FN void emit_isotropic_point(__global const double *source, real u, real v, real
     real s, c;
     sincos_turns(v, &s, &c);
     const real sin_theta = 2.0 * sqrt(u * (1.0 - u));
-    *x = splat(source[0]); *y = splat(source[1]); *z = splat(source[2]);
+    *x = splat(source[SOURCE_X]); *y = splat(source[SOURCE_Y]); *z = splat(source[SOURCE_Z]);
     *dx = sin_theta * c;
     *dy = sin_theta * s;
     *dz = fma(splat(-2.0), u, splat(1.0));

@@ -5,9 +5,9 @@ FN void emit_lambertian_sphere(__global const double *source, real u, real v, re
     sincos_turns(pv, &s, &c);
     const real sin_n = 2.0 * sqrt(pu * (1.0 - pu));
     const real nx = sin_n * c, ny = sin_n * s, nz = fma(splat(-2.0), pu, splat(1.0));
-    *x = fma(nx, splat(source[SOURCE_RADIUS]), splat(source[0]));
-    *y = fma(ny, splat(source[SOURCE_RADIUS]), splat(source[1]));
-    *z = fma(nz, splat(source[SOURCE_RADIUS]), splat(source[2]));
+    *x = fma(nx, splat(source[LAMBERTIAN_SPHERE_RADIUS]), splat(source[SOURCE_X]));
+    *y = fma(ny, splat(source[LAMBERTIAN_SPHERE_RADIUS]), splat(source[SOURCE_Y]));
+    *z = fma(nz, splat(source[LAMBERTIAN_SPHERE_RADIUS]), splat(source[SOURCE_Z]));
     sincos_turns(v, &s, &c);
     const real sin_theta = sqrt(u);
     about_normal(nx, ny, nz, sin_theta * c, sin_theta * s, sqrt(1.0 - u), dx, dy, dz);

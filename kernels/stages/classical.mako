@@ -1,5 +1,5 @@
 ## the classical wavefront: one kernel per stage, one interaction of every waiting ray a step
-// generate -> intersect -> shade -> roulette -> tally, until the queue is empty.  A step works on the
+// generate -> intersect -> interact -> tally, until the queue is empty.  A step works on the
 // upper part of each segment, `base` to `stack`: as much as leaves room for every child and every
 // record it can give.  Survivors are written back from `base` on, children behind them.
 
@@ -13,7 +13,7 @@ __kernel void generate_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS) {
     const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
     item_t item = items[me];
     item.records = 0;
-        while (item.next < item.end && item.stack + LANES <= launch->fill) {
+    while (item.next < item.end && item.stack + LANES <= launch->fill) {
         packet_t p;
         clear_packet(&p);
         uint n;
@@ -23,7 +23,7 @@ __kernel void generate_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS) {
         push_rays(&queue, &item.stack, p.alive, &p);
     }
     ulong n = item.stack;
-% if "splitting" in effects:
+% if splits:
     n = min(n, launch->stack_capacity - item.stack);
 % endif
 % if records:
@@ -34,9 +34,13 @@ __kernel void generate_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS) {
     items[me] = item;
 }
 
+<%
+    hit_reals = [f.name for f in hit_fields if f.type == "real"]
+    hit_longs = [(f.name, f.type) for f in hit_fields if f.type != "real"]
+%>
 // from: waiting rays.  writes: a hit for each.
 __kernel void intersect_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, __global double *hit_reals,
-                              __global long *hit_codes) {
+                              __global long *hit_longs) {
     const ulong me = get_global_id(0);
     if (me >= launch_buffer->items) return;
     const launch_t settings = open_launch(launch_buffer);
@@ -54,38 +58,29 @@ __kernel void intersect_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, __global double 
         hit_t hit;
         nearest(&scene, &p, &hit);
         const lint at = queue_place(&queue, i);
-        const lint code = SEL(hit.found, (hit.code << 1) | (hit.edge & 1L), lsplat(-1L));
-% if "contact" in effects:
-        __global long *notes = queue.longs + ${queue_long.index("note0")} * field;
-% endif
 % for l in range(lanes):
         if (${lane("p.alive", l)}) {
-            hit_reals[${lane("at", l)}] = ${lane("hit.t", l)};
-            hit_reals[field + ${lane("at", l)}] = ${lane("hit.plane", l)};
-            hit_codes[${lane("at", l)}] = ${lane("code", l)};
-% if "contact" in effects:
-            // the search before is over: its notes make room for this one's
-% for n in range(note_words):
-            notes[${n} * field + ${lane("at", l)}] = ${lane(f"hit.noted.word{n}", l)};
+% for n, name in enumerate(hit_reals):
+            hit_reals[${n} * field + ${lane("at", l)}] = ${lane(f"hit.{name}", l)};
 % endfor
-% endif
+% for n, (name, _) in enumerate(hit_longs):
+            hit_longs[${n} * field + ${lane("at", l)}] = ${lane(f"hit.{name}", l)};
+% endfor
         }
 % endfor
     }
 }
 
 // from: waiting rays and their hits.  to: waiting rays (survivors and children), records, the ledger.
-__kernel void shade_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
-                          __global const double *hit_reals, __global const long *hit_codes) {
+__kernel void interact_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
+                             __global const double *hit_reals, __global const long *hit_longs) {
     const ulong me = get_global_id(0);
     if (me >= launch_buffer->items) return;
     const launch_t settings = open_launch(launch_buffer);
     const launch_t *launch = &settings;
     const scene_t scene = open_scene(geometry, materials, sources, codes);
     const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
-% if records:
     const records_t records = open_records(launch, record_reals, record_words, me);
-% endif
     item_t item = items[me];
     ledger_t ledger;
     open_ledger(&ledger, tally + item.slot * launch->n_cells * CELL);
@@ -99,26 +94,17 @@ __kernel void shade_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
         take_rays(&queue, i, LT(i, lsplat((long)item.stack)), &p);
         const lint at = queue_place(&queue, SEL(p.alive, i, lsplat(0L)));
         hit_t hit;
-        const lint code = gather_long(hit_codes, at);
-        hit.t = gather(hit_reals, at);
-        hit.plane = gather(hit_reals + field, at);
-        hit.found = p.alive & GE(code, lsplat(0L));
-        hit.edge = -(code & 1L);
-        hit.code = code >> 1;
-% if "contact" in effects:
-% for n in range(note_words):
-        hit.noted.word${n} = p.note${n};
+% for n, name in enumerate(hit_reals):
+        hit.${name} = gather(hit_reals + ${n} * field, at);
 % endfor
-% endif
-        ending_t end;
-        shade(launch, &scene, &p, &hit, &ledger, &end, &child);
-% if records:
-        put_records(&records, &item.records, &end);
-% endif
-        cap_generations(launch, &p, &ledger);
+% for n, (name, _) in enumerate(hit_longs):
+        hit.${name} = gather_long(hit_longs + ${n} * field, at);
+% endfor
+        hit.found = p.alive & LT(hit.t, splat(INFINITY));
+        contact_t contact;
+        interact(launch, &scene, &records, &item.records, &ledger, &p, &hit, &contact, &child);
         push_rays(&queue, &kept, p.alive, &p);
-% if "splitting" in effects:
-        cap_generations(launch, &child, &ledger);
+% if splits:
         push_rays(&queue, &tail, child.alive, &child);
 % endif
     }
@@ -135,35 +121,5 @@ __kernel void shade_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
     close_ledger(&ledger);
     report_interactions(status, launch, &ledger);
     items[me] = item;
-% if "roulette" not in effects:
-    report(status, &item, 0);
-% endif
-}
-
-% if "roulette" in effects:
-// from: the rays the last step gave.  to: those that go on.  writes: queue, the ledger.
-__kernel void roulette_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS) {
-    const ulong me = get_global_id(0);
-    if (me >= launch_buffer->items) return;
-    const launch_t settings = open_launch(launch_buffer);
-    const launch_t *launch = &settings;
-    const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
-    item_t item = items[me];
-    ledger_t ledger;
-    open_ledger(&ledger, tally + item.slot * launch->n_cells * CELL);
-    ulong kept = item.base;
-    for (long j = item.base; j < item.stack; j += LANES) {
-        packet_t p;
-        clear_packet(&p);
-        uint n;
-        const lint i = rank_lanes(lsplat(-1L), &n) + j;
-        take_rays(&queue, i, LT(i, lsplat((long)item.stack)), &p);
-        roulette(launch, &p, &ledger);
-        push_rays(&queue, &kept, p.alive, &p);
-    }
-    item.stack = kept;
-    close_ledger(&ledger);
-    items[me] = item;
     report(status, &item, 0);
 }
-% endif

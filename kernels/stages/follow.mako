@@ -1,7 +1,8 @@
 ## interactions of given rays, each written out; lanes == 1
 // reads: origins and directions (6 numbers a ray); the face each left (NO_FACE for a launched ray).
 // Follows each ray for `steps` interactions through the functions of the trace: the transmitted
-// child where a surface splits, or with `mirrored` the reflected one.
+// child where a surface splits, or with `mirrored` the reflected one.  The launch has no generation cap
+// and no roulette.
 // writes, for every step of every ray: distance, point, normal, direction and weight after (11
 // numbers), then the other child's direction and weight (4); and the `left` after it, -1 once the
 // ray has ended.
@@ -21,20 +22,15 @@ __kernel void follow_stage(SCENE_ARGUMENTS, __global const double *rays, __globa
     p.w = 1.0;
     p.alive = -1L;
     p.ray_lo = (uint)i;
-% if "splitting" in effects:
-    p.path = 1UL;
-% endif
     for (ulong step = 0; step < steps; step++) {
         const ulong k = i * steps + step;
         hit_t hit;
         nearest(&scene, &p, &hit);
         contact_t c;
-        locate(&scene, &p, &hit, &c);
-        ending_t end;
         packet_t child;
-        shade(&settings, &scene, &p, &hit, &ledger, &end, &child);
+        interact(&settings, &scene, 0, 0, &ledger, &p, &hit, &c, &child);
         real rx = p.dx, ry = p.dy, rz = p.dz, rw = 0.0;
-% if "splitting" in effects:
+% if splits:
         if (child.alive) {
             if (mirrored) {
                 rx = p.dx; ry = p.dy; rz = p.dz; rw = p.w;

@@ -58,22 +58,19 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         long_of[4] = begins;
         hit_t hit;
         nearest(&scene, &p, &hit);
-        ending_t end;
+        contact_t contact;
         packet_t child;
-        shade(launch, &scene, &p, &hit, &ledger, &end, &child);
+        interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, &child);
         long ending = ESCAPED;
         if (hit.found) {
             real_of[3] = p.ox; real_of[4] = p.oy; real_of[5] = p.oz;
-            ending = p.alive ? GOES_ON : ABSORBED;
+            // what a surface sends on has weight; it may end before it starts
+            ending = p.alive ? GOES_ON : !(p.w > 0.0) ? ABSORBED
+                   : (ulong)p.generation >= launch->generation_cap ? CAPPED : KILLED;
         }
         long_of[2] = hit.found ? (long)ELEMENT_OF(hit.code) : -1L;
-        const mask went_on = p.alive;
-        survive(launch, &p, &ledger);
-        if (went_on && !p.alive)
-            ending = (ulong)p.generation >= launch->generation_cap ? CAPPED : KILLED;
         long_of[5] = ending;
-% if "splitting" in effects:
-        survive(launch, &child, &ledger);
+% if splits:
         if (child.alive) {
             waiting[stack] = (long)n;
             push_rays(&queue, &stack, child.alive, &child);
@@ -84,7 +81,7 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         n++;
     }
     close_ledger(&ledger);
-    atom_add(tally + (launch->n_elements + ROW_CAPPED) * CELL + 3, sum_lanes(ledger.interactions));
+    count_interactions(launch, &ledger, sum_lanes(ledger.interactions));
     counts[2 * me] = (long)n;
     counts[2 * me + 1] = cut;
 }

@@ -1,4 +1,4 @@
-## effects, with detectors or the far field in use; private_tallies
+## recorded, ending_fields, ending_real, ending_word; private_tallies
 // The tally stage: endings into cells.  One number at a time, since scattered cells gain nothing from
 // lanes; kept out of the bounce loop, which it would slow by 40 %.
 // from: records.  to: the batch's tally.
@@ -29,15 +29,18 @@ __kernel void tally_stage(__global const launch_t *launch_buffer, __global const
     __global long *cells = tally + item.slot * launch->n_cells * CELL;
     for (ulong j = first; j < item.records; j += step) {
         const ulong k = me * launch->record_capacity + j;
-        const double w = record_reals[4 * k];
-        const double x = record_reals[4 * k + 1], y = record_reals[4 * k + 2], z = record_reals[4 * k + 3];
-        const uint tag = record_words[2 * k];
-% if "far-field" in effects:
-        if (tag == UINT_MAX) count_escape(cells, launch, edges, w, x, y, z);
+        ending_record_t end;
+% for n, name in enumerate(ending_real):
+        end.${name} = record_reals[${len(ending_real)} * k + ${n}];
+% endfor
+% for n, name in enumerate(ending_word):
+        end.${name} = record_words[${len(ending_word)} * k + ${n}];
+% endfor
+% if "escapes" in recorded:
+        if (end.tag == UINT_MAX) count_escape(cells, launch, edges, &end);
 % endif
-% if "detector" in effects:
-        if (tag != UINT_MAX)
-            count_arrival(cells, launch, codes, detector_numbers, edges, w, x, y, z, tag, record_words[2 * k + 1]);
+% if "arrivals" in recorded:
+        if (end.tag != UINT_MAX) count_arrival(cells, launch, codes, detector_numbers, edges, &end);
 % endif
     }
     }

@@ -34,9 +34,7 @@ __kernel void wave(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
     const launch_t *launch = &settings;
     const scene_t scene = open_scene(geometry, materials, sources, codes);
     const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
-% if records:
     const records_t records = open_records(launch, record_reals, record_words, me);
-% endif
     item_t item = items[me];
     ledger_t ledger;
     open_ledger(&ledger, tally + item.slot * launch->n_cells * CELL);
@@ -54,7 +52,7 @@ __kernel void wave(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
 % if records:
         if (item.records + PACKETS * LANES > launch->record_capacity) break;
 % endif
-% if "splitting" in effects:
+% if splits:
         if (item.stack + 2 * PACKETS * LANES > launch->stack_capacity) { blocked = 1; break; }
 % endif
         hit_t hits[PACKETS];
@@ -65,18 +63,11 @@ __kernel void wave(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
         for (uint l = 0; l < PACKETS; l++) {
             packet_t *p = packets + l;
             if (PACKETS > 1 && !ANY(p->alive)) continue;
-            ending_t end;
+            contact_t contact;
             packet_t child;
-            shade(launch, &scene, p, hits + l, &ledger, &end, &child);
-% if records:
-            put_records(&records, &item.records, &end);
-% endif
-            survive(launch, p, &ledger);
-% if "splitting" in effects:
-            if (ANY(child.alive)) {
-                survive(launch, &child, &ledger);
-                push_rays(&queue, &item.stack, child.alive, &child);
-            }
+            interact(launch, &scene, &records, &item.records, &ledger, p, hits + l, &contact, &child);
+% if splits:
+            if (ANY(child.alive)) push_rays(&queue, &item.stack, child.alive, &child);
 % endif
         }
     }

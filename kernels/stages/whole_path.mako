@@ -7,12 +7,10 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
     const launch_t settings = open_launch(launch_buffer);
     const launch_t *launch = &settings;
     const scene_t scene = open_scene(geometry, materials, sources, codes);
-% if "splitting" in effects:
+% if splits:
     const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
 % endif
-% if records:
     const records_t records = open_records(launch, record_reals, record_words, me);
-% endif
     item_t item = items[me];
     ledger_t ledger;
     open_ledger(&ledger, tally + item.slot * launch->n_cells * CELL);
@@ -27,7 +25,7 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
     for (;;) {
         if (!p.alive) {
             if (!item.stack) break;
-% if "splitting" in effects:
+% if splits:
             item.stack--;
             take_rays(&queue, (long)item.stack, lsplat(-1L), &p);
 % endif
@@ -35,24 +33,19 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
 % if records:
         if (item.records + 1 > launch->record_capacity) break;
 % endif
-% if "splitting" in effects:
+% if splits:
         if (item.stack + 2 > launch->stack_capacity) { blocked = 1; break; }
 % endif
         hit_t hit;
         nearest(&scene, &p, &hit);
-        ending_t end;
+        contact_t contact;
         packet_t child;
-        shade(launch, &scene, &p, &hit, &ledger, &end, &child);
-% if records:
-        put_records(&records, &item.records, &end);
-% endif
-        survive(launch, &p, &ledger);
-% if "splitting" in effects:
-        survive(launch, &child, &ledger);
+        interact(launch, &scene, &records, &item.records, &ledger, &p, &hit, &contact, &child);
+% if splits:
         push_rays(&queue, &item.stack, child.alive, &child);
 % endif
     }
-% if "splitting" in effects:
+% if splits:
     push_rays(&queue, &item.stack, p.alive, &p);
 % endif
     close_ledger(&ledger);

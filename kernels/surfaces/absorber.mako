@@ -1,5 +1,4 @@
 // Absorber: all weight ends here.
-// reads: nothing.  writes: weight after.
-FN void meet_absorber(mask m, real *after) {
-    *after = SEL(m, splat(0.0), *after);
+// reads: nothing.  gives: nothing goes on.
+FN void meet_absorber(const encounter_t *event, const material_t *material, outcome_t *outcome) {
 }

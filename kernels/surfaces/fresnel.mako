@@ -8,14 +8,16 @@
 // from (a - b) = (a^2 - b^2)/(a + b) on the usual quotients (Born & Wolf 1.5.2): no difference of
 // nearly equal numbers is left at normal incidence, at grazing incidence or for equal indices.
 // R = (r_s^2 + r_p^2) / 2; the transmitted weight is what the reflected one leaves.
-// reads: direction, normal, side, material: 0 m and 1 k from the + side, 2 m and 3 k from the - side.
-// writes: direction and weight after (transmitted, or reflected where nothing is transmitted), side;
-//         the reflected child where both exist.
-FN mask meet_fresnel(mask lanes, const packet_t *p, const contact_t *c,
-                     real m_plus, real k_plus, real m_minus, real k_minus,
-                     real *dx, real *dy, real *dz, real *after, mask *went_plus,
-                     real *rx, real *ry, real *rz, real *reflected) {
-    const real m = SEL(c->came_plus, m_plus, m_minus), k = SEL(c->came_plus, k_plus, k_minus);
+// reads: direction, normal, side, m and k from either side.
+// gives: the transmitted ray, or the reflected one where nothing is transmitted; and the reflected one
+// beside it where both exist.
+FN void meet_fresnel(const encounter_t *event, const material_t *material, outcome_t *outcome) {
+    const packet_t *p = event->p;
+    const contact_t *c = event->c;
+    const real m = SEL(c->came_plus, material_number(material, FRESNEL_RATIO_PLUS),
+                       material_number(material, FRESNEL_RATIO_MINUS));
+    const real k = SEL(c->came_plus, material_number(material, FRESNEL_ONE_LESS_SQUARE_PLUS),
+                       material_number(material, FRESNEL_ONE_LESS_SQUARE_MINUS));
     const real dn = dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz);
     const real ci = fmin(fabs(dn), splat(1.0));
     const real mci = m * ci;
@@ -35,21 +37,15 @@ FN mask meet_fresnel(mask lanes, const packet_t *p, const contact_t *c,
     const mask total = LE(ct2, splat(0.0));
     const real wr = SEL(total, p->w, p->w * whole);
     const real wt = p->w - wr;
-    // reflected: d - 2 (d.n) n
-    real x = fma(-2.0 * dn, c->nx, p->dx), y = fma(-2.0 * dn, c->ny, p->dy);
-    real z = fma(-2.0 * dn, c->nz, p->dz);
-    renormalise(&x, &y, &z);
+    real x, y, z;
+    reflect(p, c, &x, &y, &z);
     // refracted: m (d - (d.n) n) + sign(d.n) ct n
     const real g = copysign(ct, dn);
     real tx = fma(m, sx, g * c->nx), ty = fma(m, sy, g * c->ny), tz = fma(m, sz, g * c->nz);
     renormalise(&tx, &ty, &tz);
     const mask reflects = total | LE(wt, splat(0.0));
-    *dx = SEL(lanes, SEL(reflects, x, tx), *dx);
-    *dy = SEL(lanes, SEL(reflects, y, ty), *dy);
-    *dz = SEL(lanes, SEL(reflects, z, tz), *dz);
-    *after = SEL(lanes, SEL(reflects, p->w, wt), *after);
-    *went_plus = SEL(lanes, SEL(reflects, c->came_plus, ~c->came_plus), *went_plus);
-    *rx = x; *ry = y; *rz = z;
-    *reflected = wr;
-    return lanes & ~reflects & GT(wr, splat(0.0));
+    send_on(outcome, event->m, SEL(reflects, x, tx), SEL(reflects, y, ty), SEL(reflects, z, tz),
+            SEL(reflects, p->w, wt));
+    outcome->went_plus = SEL(event->m & ~reflects, ~c->came_plus, outcome->went_plus);
+    send_second(outcome, event->m & ~reflects & GT(wr, splat(0.0)), x, y, z, wr);
 }

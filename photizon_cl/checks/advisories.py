@@ -63,7 +63,7 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
             element.kind,
             element.position,
             element.frame,
-            element.packed(element.position, None),
+            tuple(element.packed(element.position, None).values()),
         )
         if shape in first:
             yield (
@@ -107,7 +107,7 @@ def _capped_spheres(scene: Scene) -> Iterator[str]:
         if not isinstance(sphere, Sphere) or sphere.surface.kind != "lambertian":
             continue
         inside = any(math.hypot(*sphere.local(s.position)) < sphere.radius for s in scene.source)
-        kept = sphere.surface.packed()[0] * (1.0 - sphere.port_fraction)
+        kept = sphere.surface.packed()["reflectance"] * (1.0 - sphere.port_fraction)
         left = kept**scene.run.generation_cap
         if inside and left > _CAPPED:
             advice = "; it never decays, so open a port or lower the reflectance"
@@ -124,8 +124,8 @@ def _fresnel_surfaces(scene: Scene) -> Iterator[str]:
     reflectors = [e.name for e in scene.element if e.surface.kind in ("mirror", "lambertian")]
     lenses = [e for e in scene.element if e.surface.kind == "fresnel"]
     for element in lenses:
-        m, _, inverse, _ = element.surface.packed()
-        if m == inverse:
+        packed = element.surface.packed()
+        if packed["ratio_plus"] == packed["ratio_minus"]:
             yield (
                 f'element "{element.name}" has the same index on both sides: '
                 "it reflects nothing and bends nothing"
@@ -140,5 +140,4 @@ def _fresnel_surfaces(scene: Scene) -> Iterator[str]:
 
 
 def _radius(source: Source) -> float:
-    packed = source.packed()
-    return packed[0] if packed else 0.0
+    return source.reach

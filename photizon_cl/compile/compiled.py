@@ -3,44 +3,42 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.program.program import MAX_REGISTER_ELEMENTS, ProgramSpec, SourceKind
+from hostcode.program.spec import MAX_REGISTER_ELEMENTS, ProgramSpec
 from hostcode.run.tables import DeviceTables
 from hostcode.run.tally import image
-from photizon_cl.compile.layout import DetectorCells, TallyLayout, lay_out
+from photizon_cl.compile.draft import Draft
+from photizon_cl.compile.effects.table import EFFECTS
+from photizon_cl.compile.layout import lay_out
 from photizon_cl.compile.packing import (
-    add_tree,
     codes_by_class,
-    codes_in_order,
-    detector_row,
+    columns,
     element_classes,
     element_codes,
-    extended,
     geometry_table,
     material_table,
     recentre,
+    source_kinds,
     source_table,
+    strides,
     surface_kinds,
 )
+from photizon_cl.compile.rays import check_weights, ray_weights, share_rays
 from photizon_cl.errors import ArgumentError
-from photizon_cl.geometry.contact import in_contact, note_size
-from photizon_cl.geometry.neighbours import Neighbours
-from photizon_cl.geometry.tree import BREAK_EVEN
-from photizon_cl.geometry.wedges import edge_factors
-from photizon_cl.scene.edges import azimuth_edges, even_edges
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from photizon_cl.compile.effects.base import Effect
+    from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.settings import RunSettings
 
-__all__ = ["CompiledScene", "DetectorCells", "TallyLayout", "compile_scene"]
+__all__ = ["MAX_RAY_NUMBER", "CompiledScene", "compile_scene"]
 
-LEAST_WEIGHT: Final = 1e-14
-"""Least weight of a launched ray beside the heaviest; then good to 1e-15 in the tally."""
 MAX_RAY_NUMBER: Final = 2**48
 """Ray numbers have 48 bits of a draw's counter."""
 
@@ -59,8 +57,8 @@ class CompiledScene:
         What the device reads.
     layout : TallyLayout
         What the tally means.
-    effects : frozenset of str
-        Names in `photizon_cl.compile.effects.EFFECTS` that the scene uses.
+    reasons : mapping of str to str
+        Why each effect and kind is in use, by its name in `EFFECT_ROWS`.
     rays_of_source : tuple of int
         Rays that each source launches in a batch.
     unit_power : float
@@ -75,18 +73,23 @@ class CompiledScene:
     settings: RunSettings
     tables: DeviceTables
     layout: TallyLayout
-    effects: frozenset[str]
+    reasons: Mapping[str, str]
     rays_of_source: tuple[int, ...]
     unit_power: float
     emitted: int
     shift: tuple[float, float, float]
+
+    @property
+    def effects(self) -> frozenset[str]:
+        """Names of the effects and kinds in use."""
+        return frozenset(self.reasons)
 
 
 def compile_scene(
     scene: Scene,
     settings: RunSettings,
     force: frozenset[str] = frozenset(),
-    accelerate: bool | None = None,
+    without: frozenset[str] = frozenset(),
 ) -> CompiledScene:
     """Compile a scene.
 
@@ -97,183 +100,132 @@ def compile_scene(
     settings : RunSettings
         How it is run; may differ from ``scene.run``.
     force : frozenset of str
-        Effects compiled in although the scene does not need them (``tilt``, ``roulette``,
-        ``splitting``, ``shares``, ``contact``); they change no bit of the answer.
-    accelerate : bool, optional
-        Whether the nearest hit is sought through a tree of boxes; None decides by the number of
-        elements. It changes no bit of the answer.
+        Effects compiled in although the scene does not need them, where that is possible; they
+        change no bit of the answer.
+    without : frozenset of str
+        Effects left out although the scene would have them. Only for one that changes no bit of the
+        answer, as `acceleration`.
 
     Raises
     ------
     ArgumentError
-        Where a batch has fewer rays than the scene has sources, or the rays of one source are so
-        weak beside another's that the tally could not hold them.
+        Where a batch has fewer rays than the scene has sources, the rays of one source are so weak
+        beside another's that the tally could not hold them, or the scene has more elements or kinds
+        than the kernels can tell apart.
     """
-    rays = _share_rays(scene, settings.rays_per_batch)
-    power = [s.flux / n for s, n in zip(scene.source, rays, strict=True)]
-    unit_power = max(power)
-    weights = [p / unit_power for p in power]
-    _check_weights(scene, weights)
-    shift = recentre(scene)
-    near = Neighbours(scene.element)
-    effects = _effects(scene, settings, weights) | force
-    if in_contact(near, scene.source):
-        effects |= {"contact"}
-    classes, class_of = element_classes(scene, "tilt" in force)
-    materials, material_of = material_table(scene)
-    surfaces = surface_kinds(scene, material_of)
-    layout = lay_out(scene)
+    rays = share_rays(scene, settings.rays_per_batch)
+    unit_power, weights = ray_weights(scene, rays)
+    check_weights(scene, weights)
+    used = _effects_in_use(scene, settings, force, without)
+    layout = lay_out(
+        scene,
+        [row for effect, _ in used for row in effect.rows(scene)],
+        [(effect.name, shape) for effect, _ in used if (shape := effect.cells(scene))],
+    )
+    draft = Draft(scene, settings, layout, recentre(scene))
+    for effect, reason in used:
+        effect.prepare(draft, forced=reason == _FORCED)
 
-    number = {surface.kind: surface.number for surface in surfaces}
-    one_by_one = element_codes(scene, class_of, number)
-    factors = edge_factors(near)
-    geometry = geometry_table(scene, class_of, shift, factors)
-    few = len(scene.element) < BREAK_EVEN and "acceleration" not in effects
-    if few if accelerate is None else not (accelerate and scene.element):
-        effects -= {"acceleration"}
-        codes = codes_by_class(one_by_one, len(classes))
-        first_material = len(codes)
-        codes += material_of
-    else:
-        effects |= {"acceleration"}
-        tree, geometry = add_tree(scene, shift, factors, geometry)
-        codes = codes_in_order(one_by_one, material_of, len(classes), tree)
-        first_material = len(classes) + 1
-    launch: dict[str, Any] = {
-        "seed": settings.seed,
-        "rays_per_batch": settings.rays_per_batch,
-        "generation_cap": settings.generation_cap,
-        "roulette_floor": settings.roulette_floor,
-        "n_sources": len(scene.source),
-        "n_elements": len(scene.element),
-        "far_field": layout.far_field,
-        "n_mu": layout.n_mu,
-        "n_phi": layout.n_phi,
-    }
-    edges: list[float] = []
-    launch["material_of"] = first_material
-    launch["material_of_kind"] = len(codes)
-    first = {e.surface.kind: at for e, at in zip(scene.element, material_of, strict=True)}
-    codes += [first[surface.kind] for surface in surfaces]
-    launch["detector_of"] = len(codes)
-    of_element = {d.element: n for n, d in enumerate(layout.detectors)}
-    codes += [of_element.get(n, -1) for n in range(len(scene.element))]
-    launch["detectors"] = len(codes)
-    numbers: list[float] = []
-    for d in layout.detectors:
-        integers, row = detector_row(scene.element[d.element], d, shift, edges)
-        codes += integers
-        numbers += row
-    launch["mu_edges"] = len(edges)
-    edges += even_edges(-1.0, 1.0, layout.n_mu) if layout.n_mu else []
-    launch["phi_edges"] = len(edges)
-    edges += azimuth_edges(layout.n_phi) if layout.n_phi else []
-
-    kinds = sorted({(s.kernel, extended(s)) for s in scene.source})
-    sources = tuple(SourceKind(stem, n, extended) for n, (stem, extended) in enumerate(kinds))
-    in_registers = 0 < len(scene.element) <= MAX_REGISTER_ELEMENTS
-    words, bits = note_size(near) if "contact" in effects else (0, 16)
+    stride = draft.strides = strides(scene)
+    draft.classes, class_of = element_classes(scene, draft.all_tilted)
+    materials, draft.material_of = material_table(scene, stride)
+    surfaces = surface_kinds(scene, draft.material_of)
+    sources = source_kinds(scene)
+    draft.element_codes = element_codes(scene, class_of, surfaces)
+    draft.geometry = geometry_table(draft, class_of, stride)
+    parts = [effect.parts(draft) for effect, _ in used]
     spec = ProgramSpec(
-        classes=classes,
+        classes=draft.classes,
         surfaces=surfaces,
         sources=sources,
-        effects=frozenset(effects & _COMPILED),
-        note_words=words,
-        note_bits=bits,
-        n_elements=len(scene.element) if in_registers else 0,
+        forms=draft.forms,
+        effects=frozenset(effect.name for effect, _ in used if effect.in_text),
+        parts=tuple(parts),
+        columns=columns(scene),
+        strides=stride,
+        ledger=tuple(row.name for row in layout.rows),
+        n_elements=len(scene.element) if len(scene.element) <= MAX_REGISTER_ELEMENTS else 0,
     )
+    _fill(draft, used, spec)
     tables = DeviceTables(
         spec=spec,
-        geometry=geometry,
+        geometry=draft.geometry,
         materials=np.array(materials, np.float64),
-        sources=source_table(scene, sources, rays, weights, shift),
-        codes=np.array(codes, np.int64),
-        detector_numbers=np.array(numbers, np.float64),
-        edges=np.array(edges, np.float64),
-        launch=launch,
+        sources=source_table(draft, sources, rays, weights, stride),
+        codes=np.array(draft.codes, np.int64),
+        detector_numbers=np.array(draft.detector_numbers, np.float64),
+        edges=np.array(draft.edges, np.float64),
+        launch=draft.launch,
         n_cells=layout.n_cells,
     )
     emitted = sum(n * image(w) for n, w in zip(rays, weights, strict=True))
+    reasons = {**_kinds_in_use(scene), **{effect.name: reason for effect, reason in used}}
     return CompiledScene(
-        scene, settings, tables, layout, frozenset(effects), rays, unit_power, emitted, shift
+        scene, settings, tables, layout, reasons, rays, unit_power, emitted, draft.shift
     )
+
+
+def _fill(draft: Draft, used: list[tuple[Effect, str]], spec: ProgramSpec) -> None:
+    """Fill codes and launch, then have the effects add theirs."""
+    scene, settings, layout = draft.scene, draft.settings, draft.layout
+    draft.launch = {
+        "seed": settings.seed,
+        "rays_per_batch": settings.rays_per_batch,
+        "generation_cap": settings.generation_cap,
+        "n_sources": len(scene.source),
+        "n_elements": len(scene.element),
+    }
+    draft.codes = codes_by_class(draft.element_codes, len(draft.classes))
+    if spec.one_by_one:  # its codes have the materials' rows in them
+        draft.launch["material_of"] = 0
+    else:
+        draft.launch["material_of"] = draft.add_codes(draft.material_of)
+    first: dict[str, int] = {}
+    for element, at in zip(scene.element, draft.material_of, strict=True):
+        first.setdefault(element.surface.kernel, at)
+    for effect, _ in used:
+        effect.assemble(draft)
+    draft.launch["material_of_kind"] = draft.add_codes(first[s.kind] for s in spec.surfaces)
+    for group in layout.groups:
+        draft.launch[group.effect.replace("-", "_")] = group.first
 
 
 # -- effects -------------------------------------------------------------------------------------
 
-_COMPILED: Final = frozenset(
-    {
-        "splitting",
-        "roulette",
-        "shares",
-        "detector",
-        "map",
-        "ladder",
-        "far-field",
-        "contact",
-        "acceleration",
-    }
-)
-"""Effects that the kernels' text asks for by name; the others show in classes and kinds."""
+_FORCED: Final = "it was asked for"
 
 
-def _effects(scene: Scene, settings: RunSettings, weights: list[float]) -> set[str]:
-    used = {f"source.{s.kind}" for s in scene.source}
-    for element in scene.element:
-        used |= {f"element.{element.kind}", f"surface.{element.surface.kind}"}
-        if element.tilt_deg != (0.0, 0.0):
-            used.add("tilt")
-        if element.ported:
-            used.add("port")
-        if element.surface.splits:
-            used.add("splitting")
-        if element.detector is not None:
-            used.add("detector")
-            if element.detector.map is not None:
-                used.add("map")
-            if element.detector.generations is not None:
-                used.add("ladder")
-    if any(getattr(s, "tilt_deg", (0.0, 0.0)) != (0.0, 0.0) for s in scene.source):
-        used.add("tilt")
-    if scene.far_field is not None:
-        used.add("far-field")
-    if settings.roulette_floor > 0.0:
-        used.add("roulette")
-    if any(w != 1.0 for w in weights):
-        used.add("shares")
+def _effects_in_use(
+    scene: Scene, settings: RunSettings, force: frozenset[str], without: frozenset[str]
+) -> list[tuple[Effect, str]]:
+    """Ask every effect whether the scene needs it; return those in use, and why."""
+    unknown = (force | without) - {effect.name for effect in EFFECTS}
+    if unknown:
+        raise ArgumentError(
+            f"no effect {', '.join(sorted(unknown))}: expected some of "
+            f"{', '.join(effect.name for effect in EFFECTS)}"
+        )
+    used: list[tuple[Effect, str]] = []
+    for effect in EFFECTS:
+        if effect.name in without:
+            continue
+        reason = effect.needed(scene, settings)
+        if reason is None and effect.name in force and effect.possible(scene):
+            reason = _FORCED
+        if reason is not None:
+            used.append((effect, reason))
     return used
 
 
-def _share_rays(scene: Scene, rays_per_batch: int) -> tuple[int, ...]:
-    """Divide a batch among the sources: each gets a fixed number of rays, at least one.
-
-    A fixed division launches exactly the sources' flux in every batch (stratification); the
-    weight of a source's rays is its flux over their number, so every estimate stays unbiased.
-    """
-    n = len(scene.source)
-    if rays_per_batch < n:
-        raise ArgumentError(
-            f"rays_per_batch {rays_per_batch}: the scene {scene.name!r} has {n} sources and each "
-            f"launches at least one ray in a batch; set rays_per_batch to {n} or more"
+def _kinds_in_use(scene: Scene) -> dict[str, str]:
+    """Return which object uses each kind first."""
+    found: dict[str, str] = {}
+    things: list[tuple[str, Any, str]] = [("source", s, s.name) for s in scene.source]
+    for e in scene.element:
+        things += [("element", e, e.name), ("surface", e.surface, e.name)]
+    for group, thing, name in things:
+        found.setdefault(
+            f"{group}.{thing.kind}",
+            f'"{name}" is one' if group != "surface" else f'"{name}" has one',
         )
-    shares = [Fraction(s.flux if s.share is None else s.share) for s in scene.source]
-    total = sum(shares)
-    free = rays_per_batch - n
-    exact = [free * share / total for share in shares]
-    given = [1 + int(x) for x in exact]
-    # largest remainders take what rounding down left, the source named first where they are equal
-    order = sorted(range(n), key=lambda i: (-(exact[i] - int(exact[i])), i))
-    for i in order[: rays_per_batch - sum(given)]:
-        given[i] += 1
-    return tuple(given)
-
-
-def _check_weights(scene: Scene, weights: list[float]) -> None:
-    """Refuse rays so weak beside others that the tally's unit, 2^-95, would round them."""
-    for source, weight in zip(scene.source, weights, strict=True):
-        if weight < LEAST_WEIGHT:
-            raise ArgumentError(
-                f"source {source.name!r}: its rays carry {weight:.3g} of the power of the heaviest "
-                f"ones, and the tally counts in units of 2^-95 of those (at least {LEAST_WEIGHT:g} "
-                "is needed): give the sources shares that even this out, or trace them apart"
-            )
+    return found

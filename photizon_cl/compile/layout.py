@@ -2,13 +2,77 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from photizon_cl.scene.filters.base import Filter
     from photizon_cl.scene.model import Scene
 
-__all__ = ["DetectorCells", "TallyLayout", "lay_out"]
+__all__ = [
+    "ROWS",
+    "CellGroup",
+    "DetectorCells",
+    "LedgerRow",
+    "TallyCells",
+    "TallyLayout",
+    "lay_out",
+]
+
+
+@dataclass(frozen=True)
+class LedgerRow:
+    """A row of the ledger behind the elements'.
+
+    Parameters
+    ----------
+    name : str
+        ``ROW_<NAME>`` in the kernels.
+    sign : int
+        How it counts in the balance: 1 where emitted weight ended, −1 where weight was added.
+    title : str
+        What people call it.
+    """
+
+    name: str
+    sign: int
+    title: str
+
+
+ROWS: Final[tuple[LedgerRow, ...]] = (
+    LedgerRow("escaped", 1, "escaped"),
+    LedgerRow("killed", 1, "roulette killed"),
+    LedgerRow("boosted", -1, "roulette boosted"),
+    LedgerRow("capped", 1, "depth-capped"),
+)
+"""The rows that every ledger has."""
+
+
+@dataclass(frozen=True)
+class TallyCells:
+    """Cells of one tally of a detector: the product of its filters.
+
+    Parameters
+    ----------
+    name : str
+        ``ladder`` or ``map``.
+    first : int
+        Its first cell in a batch's tally.
+    filters : tuple of Filter
+        The first one changes fastest.
+    """
+
+    name: str
+    first: int
+    filters: tuple[Filter, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of its cells."""
+        return math.prod(f.bins for f in self.filters)
 
 
 @dataclass(frozen=True)
@@ -21,79 +85,175 @@ class DetectorCells:
         Number of its element in the scene.
     power : int
         Its power cell.
-    ladder, n_generations : int
-        First cell of the ladder and its number of entries, 0 without one.
-    map, nx, ny : int
-        First cell of the map (row-major, v then u) and its bins, 0 without one.
+    tallies : tuple of TallyCells
+        What it divides arrivals by.
     """
 
     element: int
     power: int
-    ladder: int
-    n_generations: int
-    map: int
-    nx: int
-    ny: int
+    tallies: tuple[TallyCells, ...]
+
+    def tally(self, name: str) -> TallyCells | None:
+        """Return a tally by name, None without one."""
+        return next((tally for tally in self.tallies if tally.name == name), None)
+
+    def _cells(self, name: str) -> tuple[int, tuple[int, ...]]:
+        tally = self.tally(name)
+        return (tally.first, tuple(f.bins for f in tally.filters)) if tally else (0, (0, 0))
+
+    @property
+    def ladder(self) -> int:
+        """First cell of the ladder, 0 without one."""
+        return self._cells("ladder")[0]
+
+    @property
+    def n_generations(self) -> int:
+        """Entries of the ladder, 0 without one."""
+        return self._cells("ladder")[1][0]
+
+    @property
+    def map(self) -> int:
+        """First cell of the map (row-major, v then u), 0 without one."""
+        return self._cells("map")[0]
+
+    @property
+    def nx(self) -> int:
+        """Bins of the map along u, 0 without one."""
+        return self._cells("map")[1][0]
+
+    @property
+    def ny(self) -> int:
+        """Bins of the map along v, 0 without one."""
+        return self._cells("map")[1][1]
+
+
+@dataclass(frozen=True)
+class CellGroup:
+    """Cells that an effect brings.
+
+    Parameters
+    ----------
+    effect : str
+        Its name.
+    first : int
+        Its first cell in a batch's tally.
+    shape : tuple of int
+        Row-major.
+    """
+
+    effect: str
+    first: int
+    shape: tuple[int, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of its cells."""
+        return math.prod(self.shape)
 
 
 @dataclass(frozen=True)
 class TallyLayout:
     """Meaning of the cells of a batch's tally.
 
-    Cells ``0 … n_elements − 1`` are absorbed by the elements; then escaped, roulette killed,
-    roulette boosted, depth-capped; then the detectors' cells and the far field's.
+    Cells ``0 … n_elements − 1`` are absorbed by the elements; then come the named rows of the
+    ledger, the detectors' cells, the cells that effects bring, and last the row of interactions, of
+    which only the count is used.
     """
 
     n_elements: int
+    rows: tuple[LedgerRow, ...]
     detectors: tuple[DetectorCells, ...]
-    far_field: int
-    n_mu: int
-    n_phi: int
+    groups: tuple[CellGroup, ...]
     n_cells: int
+
+    def row(self, name: str) -> int:
+        """Return the cell of a row of the ledger."""
+        return self.n_elements + [row.name for row in self.rows].index(name)
+
+    def group(self, effect: str) -> CellGroup | None:
+        """Return the cells that an effect brings, None where it brings none."""
+        return next((group for group in self.groups if group.effect == effect), None)
 
     @property
     def escaped(self) -> int:
         """Cell of what leaves the scene."""
-        return self.n_elements
+        return self.row("escaped")
 
     @property
     def killed(self) -> int:
         """Cell of the weight that roulette ended."""
-        return self.n_elements + 1
+        return self.row("killed")
 
     @property
     def boosted(self) -> int:
         """Cell of the weight that roulette added."""
-        return self.n_elements + 2
+        return self.row("boosted")
 
     @property
     def depth_capped(self) -> int:
-        """Cell of the weight alive at the generation cap; its count is the batch's interactions."""
-        return self.n_elements + 3
+        """Cell of the weight alive at the generation cap."""
+        return self.row("capped")
+
+    @property
+    def interactions(self) -> int:
+        """Cell whose count is the batch's interactions."""
+        return self.n_cells - 1
 
     @property
     def n_rows(self) -> int:
         """Cells of the ledger."""
-        return self.n_elements + 4
+        return self.n_elements + len(self.rows)
+
+    @property
+    def far_field(self) -> int:
+        """First cell of the far field; meaningless where the scene bins none."""
+        group = self.group("far-field")
+        return group.first if group else self.interactions
+
+    @property
+    def n_mu(self) -> int:
+        """Bins of the far field in cos θ, 0 without one."""
+        group = self.group("far-field")
+        return group.shape[0] if group else 0
+
+    @property
+    def n_phi(self) -> int:
+        """Bins of the far field in φ, 0 without one."""
+        group = self.group("far-field")
+        return group.shape[1] if group else 0
 
 
-def lay_out(scene: Scene) -> TallyLayout:
-    """Give every quantity of a scene its cells."""
-    cell = len(scene.element) + 4
+def lay_out(
+    scene: Scene,
+    rows: Iterable[LedgerRow] = (),
+    groups: Iterable[tuple[str, tuple[int, ...]]] = (),
+) -> TallyLayout:
+    """Give every quantity of a scene its cells.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose elements and detectors.
+    rows : iterable of LedgerRow
+        That effects add to the ledger.
+    groups : iterable of (str, tuple of int)
+        Effect and shape of the cells that effects bring.
+    """
+    named = (*ROWS, *rows)
+    cell = len(scene.element) + len(named)
     found = []
     for n, element in enumerate(scene.element):
         if element.detector is None:
             continue
         power = cell
         cell += 1
-        generations = element.detector.generations or 0
-        ladder = cell if generations else 0
-        cell += generations
-        nx, ny = element.detector.map or (0, 0)
-        first = cell if nx else 0
-        cell += nx * ny
-        found.append(DetectorCells(n, power, ladder, generations, first, nx, ny))
-    far_field = cell
-    n_mu, n_phi = (scene.far_field.n_mu, scene.far_field.n_phi) if scene.far_field else (0, 0)
-    cell += n_mu * n_phi
-    return TallyLayout(len(scene.element), tuple(found), far_field, n_mu, n_phi, cell)
+        tallies = []
+        for name, filters in element.detector.tallies(element):
+            tallies.append(TallyCells(name, cell, filters))
+            cell += tallies[-1].size
+        found.append(DetectorCells(n, power, tuple(tallies)))
+    brought = []
+    for effect, shape in groups:
+        brought.append(CellGroup(effect, cell, shape))
+        cell += brought[-1].size
+    return TallyLayout(len(scene.element), named, tuple(found), tuple(brought), cell + 1)

@@ -3,59 +3,112 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.program.program import (
-    MATERIAL_STRIDE,
-    ROW_FRAME,
-    ROW_STRIDE,
-    SOURCE_STRIDE,
-    TREE_NODE,
-    ElementClass,
-    SourceKind,
-    SurfaceKind,
-)
-from photizon_cl.compile.tree_nodes import pack_nodes
-from photizon_cl.geometry.tree import build_tree, world_boxes
-from photizon_cl.scene.elements.flat import Flat
+from hostcode.errors import HostError
+from hostcode.program.codes import decode, encode
+from hostcode.program.spec import CACHE_LINE, ElementClass, SourceKind, Strides, SurfaceKind
+from photizon_cl.errors import ArgumentError
 from photizon_cl.scene.frames import axis_index
+from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hostcode.run.tables import DeviceTables
-    from photizon_cl.compile.layout import DetectorCells
-    from photizon_cl.scene.elements import Element
+    from photizon_cl.compile.draft import Draft
+    from photizon_cl.scene.elements.base import Element
     from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.model import Scene
-    from photizon_cl.scene.sources import Source
+    from photizon_cl.scene.surfaces.base import Surface
+
+POSITION: Final = Row("ROW", ("x", "m", ""), ("y", "m", ""), ("z", "m", ""))
+"""What every element's row begins with: its recentred position. Its frame ends it."""
+SOURCE: Final = Row(
+    "SOURCE",
+    ("x", "m", "recentred position"),
+    ("y", "m", ""),
+    ("z", "m", ""),
+    ("weight", "", "of its rays, relative to the heaviest"),
+    ("first_ray", "", "number of its first ray in a batch"),
+    ("end_ray", "", "behind its last ray"),
+    ("kind", "", "number of its kind in the program"),
+)
+"""What every source's row begins with. Its frame ends it."""
+_FRAME: Final = 9
+
+# -- strides -------------------------------------------------------------------------------------
+
+
+def _rows(things: Any) -> dict[str, Row]:
+    return {thing.row.name: thing.row for thing in things}
+
+
+def strides(scene: Scene) -> Strides:
+    """Return the lengths of the tables' rows: those of the longest kind in use."""
+    element = max((len(e.row) for e in scene.element), default=0) + len(POSITION)
+    source = max(len(s.row) for s in scene.source) + len(SOURCE)
+    line = CACHE_LINE // 8
+    return Strides(
+        row=-(-(element + _FRAME) // line) * line,
+        row_frame=element,
+        material=max((len(e.surface.row) for e in scene.element), default=0),
+        source=source + _FRAME,
+        source_frame=source,
+    )
+
+
+def columns(scene: Scene) -> tuple[tuple[str, int], ...]:
+    """Return the kernels' names of the columns in use, and their places in a row."""
+    found = {**POSITION.constants(0), **SOURCE.constants(0)}
+    for row in _rows(scene.element).values():
+        found.update(row.constants(len(POSITION)))
+    for row in _rows(e.surface for e in scene.element).values():
+        found.update(row.constants(0))
+    for row in _rows(scene.source).values():
+        found.update(row.constants(len(SOURCE)))
+    return tuple(sorted(found.items()))
+
 
 # -- sources -------------------------------------------------------------------------------------
 
 
-def extended(source: Source) -> bool:
-    """Say whether a source draws a position besides a direction."""
-    return bool(source.packed())
+def source_kinds(scene: Scene) -> tuple[SourceKind, ...]:
+    """Return the source kinds in use, by name."""
+    kinds = sorted({(s.kernel, s.draws_position) for s in scene.source})
+    return tuple(SourceKind(stem, n, draws) for n, (stem, draws) in enumerate(kinds))
 
 
 def source_table(
-    scene: Scene,
+    draft: Draft,
     kinds: tuple[SourceKind, ...],
     rays: tuple[int, ...],
     weights: list[float],
-    shift: tuple[float, float, float],
+    stride: Strides,
 ) -> NDArray[np.float64]:
-    """Return the rows of the source table, see ``kernels/lib/sources.mako``."""
+    """Return the rows of the source table."""
     number = {kind.stem: kind.number for kind in kinds}
-    table = np.zeros((len(scene.source), SOURCE_STRIDE))
+    scene = draft.scene
+    table = np.zeros((len(scene.source), stride.source))
     first = 0
     for row, source, n, weight in zip(table, scene.source, rays, weights, strict=True):
-        row[0:3] = np.subtract(source.position, shift)
-        row[3] = source.packed()[0] if source.packed() else 0.0
-        row[4:8] = weight, first, first + n, number[source.kernel]
-        row[8:17] = np.ravel(source.frame)
+        x, y, z = _from_shift(source.position, draft.shift)
+        values = SOURCE.pack(
+            {
+                "x": x,
+                "y": y,
+                "z": z,
+                "weight": weight,
+                "first_ray": first,
+                "end_ray": first + n,
+                "kind": number[source.kernel],
+            }
+        )
+        values += source.row.pack(source.packed())
+        row[: len(values)] = values
+        row[stride.source_frame : stride.source_frame + _FRAME] = np.ravel(source.frame)
         first += n
     return table.ravel()
 
@@ -70,7 +123,7 @@ def recentre(scene: Scene) -> tuple[float, float, float]:
     nothing by the subtraction, and a scene around the origin is not touched.
     """
     boxes = [(e.position, e.reach) for e in scene.element]
-    boxes += [(s.position, s.packed()[0] if s.packed() else 0.0) for s in scene.source]
+    boxes += [(s.position, s.reach) for s in scene.source]
     low = np.min([np.subtract(p, r) for p, r in boxes], axis=0)
     high = np.max([np.add(p, r) for p, r in boxes], axis=0)
     size = float(np.max(high - low))
@@ -82,30 +135,59 @@ def recentre(scene: Scene) -> tuple[float, float, float]:
 
 
 def element_classes(
-    scene: Scene, force_tilt: bool
+    scene: Scene, all_tilted: bool
 ) -> tuple[tuple[ElementClass, ...], list[ElementClass]]:
     """Return the classes of a scene's elements in order, and the class of each element."""
-    keys: list[tuple[str, str, int | None, bool]] = []
+    keys: list[tuple[str, int | None, bool]] = []
+    example: dict[tuple[str, int | None, bool], Element] = {}
     for e in scene.element:
-        keys.append((e.kernel, e.family, None if force_tilt else e.class_axis, e.ported))
-    order = sorted(set(keys), key=lambda k: (k[0], -1 if k[2] is None else k[2], k[3]))
-    classes = {
-        key: ElementClass(*key, single=keys.count(key) == 1 and key[1] == "sphere", number=n)
-        for n, key in enumerate(order)
-    }
+        key = (e.kernel, None if all_tilted else e.class_axis, e.opening)
+        keys.append(key)
+        example.setdefault(key, e)
+    order = sorted(example, key=lambda k: (k[0], -1 if k[1] is None else k[1], k[2]))
+    classes = {}
+    for n, key in enumerate(order):
+        cls, (kernel, axis, opening) = type(example[key]), key
+        classes[key] = ElementClass(
+            kind=kernel,
+            templates=cls.templates,
+            libraries=cls.libraries,
+            flat=cls.flat,
+            faced=cls.faced,
+            axis=axis,
+            opening=opening,
+            traits=cls.traits,
+            single=cls.alone and keys.count(key) == 1,
+            number=n,
+        )
     return tuple(classes.values()), [classes[key] for key in keys]
 
 
 def element_codes(
-    scene: Scene, class_of: list[ElementClass], surface_number: dict[str, int]
+    scene: Scene, class_of: list[ElementClass], surfaces: tuple[SurfaceKind, ...]
 ) -> list[int]:
-    """Return the elements' codes, see ``kernels/lib/packets.mako``."""
+    """Return the elements' codes, see `hostcode.program.codes`.
+
+    Raises
+    ------
+    ArgumentError
+        Where the scene has more of something than the kernels can tell apart.
+    """
+    number = {surface.kind: surface.number for surface in surfaces}
     codes = []
-    for n, (element, cls) in enumerate(zip(scene.element, class_of, strict=True)):
-        down = cls.axis is not None and axis_index(element.axis) % 2 == 1
-        counted = element.detector is not None
-        kind = surface_number[element.surface.kind]
-        codes.append(n << 32 | counted << 12 | kind << 8 | down << 7 | cls.number)
+    try:
+        for n, (element, cls) in enumerate(zip(scene.element, class_of, strict=True)):
+            codes.append(
+                encode(
+                    element=n,
+                    detector=int(element.detector is not None),
+                    surface=number[element.surface.kernel],
+                    down=int(cls.axis is not None and axis_index(element.axis) % 2 == 1),
+                    cls=cls.number,
+                )
+            )
+    except HostError as error:
+        raise ArgumentError(f"scene {scene.name!r}: {error}") from None
     return codes
 
 
@@ -113,13 +195,13 @@ def codes_by_class(codes: list[int], n_classes: int) -> list[int]:
     """Return where each class's codes begin, where the last end, and the codes by class."""
     bounds, ordered = [n_classes + 1], []
     for number in range(n_classes):
-        ordered += [code for code in codes if code & 127 == number]
+        ordered += [code for code in codes if decode(code, "cls") == number]
         bounds.append(n_classes + 1 + len(ordered))
     return bounds + ordered
 
 
 def codes_in_order(
-    codes: list[int], material_of: list[int], n_classes: int, tree: int
+    codes: list[int], material_of: list[int], classes: tuple[ElementClass, ...], tree: int
 ) -> list[int]:
     """Return where each class's first code stands, where the tree begins, and the codes in order.
 
@@ -128,58 +210,37 @@ def codes_in_order(
     """
     first: dict[int, int] = {}
     for n, code in enumerate(codes):
-        first.setdefault(code & 127, n_classes + 1 + n)
+        first.setdefault(decode(code, "cls"), len(classes) + 1 + n)
     with_material = [
         row << 32 | code & 0xFFFFFFFF for code, row in zip(codes, material_of, strict=True)
     ]
-    return [first[number] for number in range(n_classes)] + [tree] + with_material
+    return [first[cls.number] for cls in classes] + [tree] + with_material
 
 
 def code_of(tables: DeviceTables, element: int) -> int:
     """Return an element's code from a table of either order."""
     codes, n_classes = tables.codes, len(tables.spec.classes)
-    if "acceleration" in tables.spec.effects:
+    if tables.spec.one_by_one:
         return element << 32 | int(codes[n_classes + 1 + element]) & 0xFFFFFFFF
     return next(int(c) for c in codes[codes[0] : codes[n_classes]] if c >> 32 == element)
 
 
-def add_tree(
-    scene: Scene, shift: Vec3, factors: NDArray[np.float64], geometry: NDArray[np.float64]
-) -> tuple[int, NDArray[np.float64]]:
-    """Return the geometry table with a tree of boxes, and where in it that begins.
-
-    See ``kernels/effects/acceleration.mako``.
-    """
-    boxes = world_boxes(scene.element, shift, factors.max(axis=1))
-    rows = pack_nodes(*build_tree(boxes))
-    # a node begins at a whole node from the table's beginning; the scene's size stands before the
-    # first
-    head = np.zeros(TREE_NODE - len(geometry) % TREE_NODE)
-    head[-1] = np.max(np.abs(boxes))
-    return len(geometry) + len(head), np.concatenate((geometry, head, rows.ravel()))
-
-
 def geometry_table(
-    scene: Scene,
-    class_of: list[ElementClass],
-    shift: tuple[float, float, float],
-    factors: NDArray[np.float64],
+    draft: Draft, class_of: list[ElementClass], stride: Strides
 ) -> NDArray[np.float64]:
-    """Return the elements' rows: centre, what their class packs, frame."""
-    table = np.zeros((len(scene.element), ROW_STRIDE))
-    rows = zip(table, scene.element, class_of, factors.tolist(), strict=True)
+    """Return the elements' rows: position, what their class packs, frame."""
+    elements, first = draft.scene.element, len(POSITION)
+    table = np.zeros((len(elements), stride.row))
+    rows = zip(table, elements, class_of, draft.at_edges.tolist(), strict=True)
     for row, element, cls, at_edges in rows:
-        x, y, z = centre = _from_shift(element.position, shift)
+        x, y, z = centre = _from_shift(element.position, draft.shift)
         # Two elements that share an edge agree on it only to the rounding of the positions that
         # they were given: rounding bounds follow those, however near the recentred scene is.
         ax, ay, az = (max(abs(c), abs(q)) for c, q in zip(centre, element.position, strict=True))
-        if isinstance(element, Flat):
-            packed = element.packed((ax, ay, az), cls.axis, at_edges)
-        else:
-            packed = element.packed((ax, ay, az), cls.axis)
-        row[0:3] = x, y, z
-        row[3 : 3 + len(packed)] = packed
-        row[ROW_FRAME : ROW_FRAME + 9] = np.ravel(element.frame)
+        packed = element.row.pack(element.packed((ax, ay, az), cls.axis, at_edges))
+        row[0:first] = x, y, z
+        row[first : first + len(packed)] = packed
+        row[stride.row_frame : stride.row_frame + _FRAME] = np.ravel(element.frame)
     return table.ravel()
 
 
@@ -190,45 +251,35 @@ def _from_shift(position: Vec3, shift: Vec3) -> Vec3:
 # -- surfaces ------------------------------------------------------------------------------------
 
 
-def material_table(scene: Scene) -> tuple[list[float], list[int]]:
+def material_table(scene: Scene, stride: Strides) -> tuple[list[float], list[int]]:
     """Rows of the distinct surfaces, and where in them each element's begins."""
     rows: dict[tuple[str, tuple[float, ...]], int] = {}
     of_element = []
     for element in scene.element:
-        packed = element.surface.packed()
-        padded = packed + (0.0,) * (MATERIAL_STRIDE - len(packed))
+        packed = element.surface.row.pack(element.surface.packed())
+        padded = (*packed, *(0.0,) * (stride.material - len(packed)))
         key = (element.surface.kind, padded)
-        of_element.append(rows.setdefault(key, len(rows) * MATERIAL_STRIDE))
+        of_element.append(rows.setdefault(key, len(rows) * stride.material))
     return [x for _, row in rows for x in row], of_element
 
 
 def surface_kinds(scene: Scene, material_of: list[int]) -> tuple[SurfaceKind, ...]:
     """Return the surface kinds in use, by name."""
     rows: dict[str, set[int]] = {}
+    made: dict[str, Surface] = {}
     for element, at in zip(scene.element, material_of, strict=True):
-        rows.setdefault(element.surface.kind, set()).add(at)
+        kernel = element.surface.kernel
+        rows.setdefault(kernel, set()).add(at)
+        surface = made.get(kernel, element.surface)
+        made[kernel] = element.surface if element.surface.splits else surface
     return tuple(
-        SurfaceKind(kind, n, single=len(rows[kind]) == 1) for n, kind in enumerate(sorted(rows))
+        SurfaceKind(
+            kind,
+            n,
+            single=len(rows[kind]) == 1,
+            absorbs=made[kind].absorbs,
+            splits=made[kind].splits,
+            counts=made[kind].counts,
+        )
+        for n, kind in enumerate(sorted(rows))
     )
-
-
-# -- detectors -----------------------------------------------------------------------------------
-
-
-def detector_row(
-    element: Element, d: DetectorCells, shift: tuple[float, float, float], edges: list[float]
-) -> tuple[list[int], list[float]]:
-    """Return a detector's integers and numbers; its bins' edges go to the end of `edges`."""
-    counts_plus = element.detector_side in ("front", "outside")
-    x_edges = y_edges = 0
-    if d.nx:
-        along_x, along_y = element.map_edges(d.nx, d.ny)
-        x_edges = len(edges)
-        y_edges = x_edges + len(along_x)
-        edges += along_x + along_y
-    integers = [
-        int(counts_plus), d.power, d.ladder, d.n_generations, d.map, d.nx, d.ny, x_edges, y_edges,
-        int(not element.flat),
-    ]  # fmt: skip
-    row = [*np.subtract(element.position, shift).tolist(), *np.ravel(element.frame).tolist()]
-    return integers, row

@@ -11,12 +11,17 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from hostcode.program.program import TREE_NODE, TREE_WIDTH
+from photizon_cl.geometry.tree import TREE_WIDTH, build_tree, world_boxes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["pack_nodes", "unpack_nodes"]
+    from photizon_cl.compile.draft import Draft
+
+__all__ = ["TREE_NODE", "add_tree", "pack_nodes", "unpack_nodes"]
+
+TREE_NODE: Final = 16
+"""Doubles of a node."""
 
 _STEPS: Final = 255
 _LEAST: Final = 2.0**-1000
@@ -83,3 +88,19 @@ def unpack_nodes(
     nodes = corner + step * grid
     links = np.ascontiguousarray(rows[:, 12:]).view(np.int32)
     return nodes, links.astype(np.int64)
+
+
+def add_tree(draft: Draft) -> tuple[int, NDArray[np.float64]]:
+    """Return where a tree of boxes begins in the geometry table, and the table with it.
+
+    See ``kernels/effects/acceleration.mako``.
+    """
+    geometry = draft.geometry
+    assert geometry is not None
+    boxes = world_boxes(draft.scene.element, draft.shift, draft.at_edges.max(axis=1))
+    rows = pack_nodes(*build_tree(boxes))
+    # a node begins at a whole node from the table's beginning; the scene's size stands before the
+    # first
+    head = np.zeros(TREE_NODE - len(geometry) % TREE_NODE)
+    head[-1] = np.max(np.abs(boxes))
+    return len(geometry) + len(head), np.concatenate((geometry, head, rows.ravel()))

@@ -52,7 +52,7 @@ def in_contact(near: Neighbours, sources: Sequence[Source] = ()) -> bool:
     if not elements:
         return False
     things = np.array([corner for e in elements for corner in _corners(e)])
-    around = [_around(s.position, s.packed()[0] if s.packed() else 0.0) for s in sources]
+    around = [_around(s.position, s.reach) for s in sources]
     points = np.concatenate([things, *around])
     if any(
         _beside_tube(e, points, float(room))

@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from hostcode.program.program import TREE_STACK, TREE_WIDTH
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -23,7 +21,12 @@ if TYPE_CHECKING:
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.frames import Vec3
 
-__all__ = ["BREAK_EVEN", "build_tree", "world_boxes"]
+__all__ = ["BREAK_EVEN", "TREE_STACK", "TREE_WIDTH", "build_tree", "world_boxes"]
+
+TREE_WIDTH: Final = 8
+"""Children of a node."""
+TREE_STACK: Final = 169
+"""Places of the kernels' stack: seven stay behind at each of up to 24 levels, and one."""
 
 BREAK_EVEN: Final = 48
 """Number of elements from which the tree is faster than the plain scan, measured by

@@ -200,9 +200,7 @@ def _read(file: Path) -> Result:
     compiled = compile_scene(scene, scene.run)
     layout = compiled.layout
     state = AccumulatorState(int(attrs["batches"]), **arrays, digest=bytes.fromhex(attrs["digest"]))
-    if len(state.count) != layout.n_cells:
-        raise ValueError(f"{len(state.count)} cells, and its scene has {layout.n_cells}")
-    tally = Accumulator.restore(state, [(layout.killed, layout.boosted)])
+    tally = Accumulator.of(layout, state)
     info = RunInfo(
         device=str(attrs["device"]),
         precision=str(attrs["precision"]),

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.result.statistics import Accumulator
 
 __all__ = ["CLOSURE_LIMIT", "Estimate", "Ledger", "Roulette", "check_batch"]
@@ -133,7 +134,7 @@ class Ledger:
         balance = totals[layout.killed] - totals[layout.boosted]
         emitted = compiled.emitted * tally.batches
         n = layout.n_elements
-        accounted = _accounted(sum(totals[:n]), totals[n:])
+        accounted = _accounted(layout, sum(totals[:n]), totals[n:])
         return cls(
             emitted=Estimate(watts(compiled, emitted, tally.batches), 0.0 if known else None),
             absorbed=absorbed,
@@ -178,10 +179,10 @@ def watts(compiled: CompiledScene, total: int, batches: int) -> float:
     return float(Fraction(total, batches) * _UNIT * Fraction(compiled.unit_power))
 
 
-def _accounted(absorbed: int, others: Sequence[int]) -> int:
+def _accounted(layout: TallyLayout, absorbed: int, others: Sequence[int]) -> int:
     """Return where all launched weight went; `others`: the rows behind the elements'."""
-    escaped, killed, boosted, depth_capped = others
-    return absorbed + escaped + killed - boosted + depth_capped
+    pairs = zip(layout.rows, others, strict=True)
+    return absorbed + sum(row.sign * amount for row, amount in pairs)
 
 
 def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -> int:
@@ -206,7 +207,7 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -
     n = layout.n_elements
     absorbed, _ = exact_sum(cells[:n])
     others = exact(cells[n : layout.n_rows])
-    closure = abs(compiled.emitted - _accounted(absorbed, others))
+    closure = abs(compiled.emitted - _accounted(layout, absorbed, others))
     if closure > CLOSURE_LIMIT * compiled.emitted:
         part = float(Fraction(closure, compiled.emitted))
         raise RunError(

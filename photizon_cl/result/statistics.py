@@ -49,8 +49,8 @@ def exact_sum(cells: NDArray[np.int64]) -> tuple[int, int]:
 def complete(layout: TallyLayout, cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """Fill the power cells that a device leaves to the host.
 
-    Where a detector has a ladder or a map, each arrival is in exactly one of its entries or bins,
-    and the device counts it only there.
+    Where a detector has tallies, each arrival is in exactly one cell of each, and the device counts
+    it only there.
 
     Parameters
     ----------
@@ -67,22 +67,22 @@ def complete(layout: TallyLayout, cells: NDArray[np.int64]) -> NDArray[np.int64]
     Raises
     ------
     RunError
-        Where ladder and map of a detector disagree, which is a defect of the engine.
+        Where two tallies of a detector disagree, which is a defect of the engine.
     """
-    partial = [d for d in layout.detectors if d.n_generations or d.nx]
+    partial = [d for d in layout.detectors if d.tallies]
     if not partial:
         return cells
     out = cells.copy()
     for d in partial:
-        ladder = out[d.ladder : d.ladder + d.n_generations]
-        bins = out[d.map : d.map + d.nx * d.ny]
-        if d.n_generations and d.nx and exact_sum(ladder) != exact_sum(bins):
-            raise RunError(
-                f"the ladder and the map of the detector on element {d.element} disagree in a "
-                "batch: this is a defect of the engine; please report it with the scene file"
-            )
-        parts = ladder if d.n_generations else bins
-        out[d.power] = parts.sum(axis=0)
+        first, *others = (out[t.first : t.first + t.size] for t in d.tallies)
+        for tally, parts in zip(d.tallies[1:], others, strict=True):
+            if exact_sum(parts) != exact_sum(first):
+                raise RunError(
+                    f"the {d.tallies[0].name} and the {tally.name} of the detector on element "
+                    f"{d.element} disagree in a batch: this is a defect of the engine; please "
+                    "report it with the scene file"
+                )
+        out[d.power] = first.sum(axis=0)
         out[d.power : d.power + 1] = canonical(out[d.power : d.power + 1])
     return out
 
@@ -124,11 +124,20 @@ class Accumulator:
     differences : sequence of (int, int), optional
         Pairs of cells whose difference needs a standard error of its own (the two are correlated,
         so that it does not follow from theirs). Their means and errors stand behind the cells'.
+    counted_in : tuple of (int, int), optional
+        The last cell, which only counts, and the cell in whose unused count the digest has it: the
+        digest is the same as of versions in which it had no row of its own.
     """
 
-    def __init__(self, n_cells: int, differences: Sequence[tuple[int, int]] = ()) -> None:
+    def __init__(
+        self,
+        n_cells: int,
+        differences: Sequence[tuple[int, int]] = (),
+        counted_in: tuple[int, int] | None = None,
+    ) -> None:
         self.n_cells = n_cells
         self.differences = tuple(differences)
+        self.counted_in = counted_in
         self.batches = 0
         self._limbs = np.zeros((n_cells, _TOTAL_LIMBS), np.int64)
         self._count = np.zeros(n_cells, np.int64)
@@ -151,9 +160,8 @@ class Accumulator:
         """
         if cells.shape != (self.n_cells, CELL):
             raise ValueError(f"cells of shape {cells.shape}, expected {(self.n_cells, CELL)}")
-        image = np.ascontiguousarray(cells, dtype="<i8")
         chain = hashlib.sha256(self._digest)
-        chain.update(image.data)
+        chain.update(self._image(cells).data)
         self._digest = chain.digest()
         self.batches += 1
         limbs = self._limbs
@@ -168,6 +176,15 @@ class Accumulator:
         self._mean += delta / self.batches
         self._m2 += delta * (x - self._mean)
 
+    def _image(self, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return what the digest is taken over."""
+        if self.counted_in is None:
+            return np.ascontiguousarray(cells, dtype="<i8")
+        last, into = self.counted_in
+        image = np.array(cells[:last], dtype="<i8")
+        image[into, 3] += cells[last, 3]
+        return image
+
     def _batch_values(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
         x = values(cells)
         if not self.differences:
@@ -180,7 +197,7 @@ class Accumulator:
 
     def copy(self) -> Accumulator:
         """Return an independent copy."""
-        return Accumulator.restore(self.state(), self.differences)
+        return Accumulator.restore(self.state(), self.differences, self.counted_in)
 
     def state(self) -> AccumulatorState:
         """Return a copy of everything that it remembers."""
@@ -194,8 +211,32 @@ class Accumulator:
         )
 
     @classmethod
+    def of(cls, layout: TallyLayout, state: AccumulatorState | None = None) -> Accumulator:
+        """Return an accumulator of a scene's batches, empty or one that goes on from a state.
+
+        States of versions in which interactions had no row of their own are brought to this form.
+
+        Raises
+        ------
+        ValueError
+            If the state is of another scene.
+        """
+        balance = [(layout.killed, layout.boosted)]
+        counted_in = (layout.interactions, layout.depth_capped)
+        if state is None:
+            return cls(layout.n_cells, balance, counted_in)
+        if len(state.count) == layout.n_cells - 1:
+            state = _with_interactions(state, *counted_in)
+        if len(state.count) != layout.n_cells:
+            raise ValueError(f"{len(state.count)} cells, and its scene has {layout.n_cells}")
+        return cls.restore(state, balance, counted_in)
+
+    @classmethod
     def restore(
-        cls, state: AccumulatorState, differences: Sequence[tuple[int, int]] = ()
+        cls,
+        state: AccumulatorState,
+        differences: Sequence[tuple[int, int]] = (),
+        counted_in: tuple[int, int] | None = None,
     ) -> Accumulator:
         """Return an accumulator that goes on where `state` was taken.
 
@@ -205,7 +246,7 @@ class Accumulator:
             If the arrays' shapes do not belong together.
         """
         n = len(state.count)
-        made = cls(n, differences)
+        made = cls(n, differences, counted_in)
         wanted = [(n, _TOTAL_LIMBS), (n,), made._mean.shape, made._mean.shape]
         found = [a.shape for a in (state.limbs, state.count, state.mean, state.m2)]
         if found != wanted or len(state.digest) != 32 or state.batches < 0:
@@ -266,3 +307,17 @@ class Accumulator:
         if self.batches < 2:
             return np.full(len(m2), np.nan)
         return np.asarray(np.sqrt(m2 / (self.batches - 1) / self.batches), dtype=np.float64)
+
+
+def _with_interactions(state: AccumulatorState, last: int, counted_in: int) -> AccumulatorState:
+    """Return a state whose interactions stand in a last cell of their own."""
+    count = np.append(state.count, state.count[counted_in])
+    count[counted_in] = 0
+    return AccumulatorState(
+        state.batches,
+        np.append(state.limbs, np.zeros((1, _TOTAL_LIMBS), np.int64), axis=0),
+        count,
+        np.insert(state.mean, last, 0.0),
+        np.insert(state.m2, last, 0.0),
+        state.digest,
+    )

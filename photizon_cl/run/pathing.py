@@ -240,8 +240,9 @@ def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Pat
     watts = values(raw.cells) * compiled.unit_power
     names = [f"absorbed by {element.name}" for element in compiled.scene.element]
     ledger = dict(zip(names, watts[: len(names)].tolist(), strict=True))
-    rows = ("escaped", "roulette killed", "roulette boosted", "depth-capped")
-    ledger |= dict(zip(rows, watts[layout.escaped : layout.escaped + 4].tolist(), strict=True))
+    titles = [row.title for row in layout.rows]
+    amounts = watts[layout.n_elements : layout.n_rows].tolist()
+    ledger |= dict(zip(titles, amounts, strict=True))
     return Paths(
         scene=compiled.scene,
         ray=raw.ray,
@@ -264,7 +265,7 @@ def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Pat
 def _size(scene: Scene) -> float:
     """Return the diagonal in metres of a box around everything, 1 for a point alone."""
     boxes = [(np.array(e.position), e.reach) for e in scene.element]
-    boxes += [(np.array(s.position), max(s.packed(), default=0.0)) for s in scene.source]
+    boxes += [(np.array(s.position), s.reach) for s in scene.source]
     low = np.min([at - reach for at, reach in boxes], axis=0)
     high = np.max([at + reach for at, reach in boxes], axis=0)
     return float(np.linalg.norm(high - low)) or 1.0

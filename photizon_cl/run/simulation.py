@@ -122,8 +122,7 @@ def trace(
             f"{len(as_run.source)}, one for each source"
         )
     compiled = compile_scene(as_run, as_run.run)
-    layout = compiled.layout
-    tally = Accumulator(layout.n_cells, [(layout.killed, layout.boosted)])
+    tally = Accumulator.of(compiled.layout)
     start = Result(compiled, tally, RunInfo(precision=precision, goal=goal))
     return _go_on(start, goal, device, progress, executor, plan, checkpoint)
 
@@ -323,7 +322,7 @@ def _add_batches(
                     whole = complete(compiled.layout, cells)
                     worst = max(worst, check_batch(compiled, tally.batches, whole))
                     tally.add(whole)
-                    interactions += int(whole[compiled.layout.depth_capped, 3])
+                    interactions += int(whole[compiled.layout.interactions, 3])
                     done = goal.reached(compiled.layout, tally)
                     if done:
                         break  # what was computed beyond is dropped: the goal fixes the bits

@@ -329,7 +329,7 @@ def faces_of(element: Element) -> list[Face]:
         case Disk():
             return [Plane(2, 1, _zero, _disk)]
         case Sphere():
-            port = element.ported
+            port = element.opening
             return [
                 Ball(
                     lambda s: s[0],

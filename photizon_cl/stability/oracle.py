@@ -90,7 +90,7 @@ class _Posed:
             *zeros,
             *sizes,
         ]
-        exact = element.family == "flat" or element.kind == "baffled-tube"
+        exact = element.flat or element.kind == "baffled-tube"
         if exact and not tilted:  # no operation there mixes components
             of_ray = [*map(abs, case.origin), *map(abs, case.direction)]
             of_centre = [abs(c) for c in element.position]

@@ -7,18 +7,18 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from oracles.engine import with_tree
 
 import photizon_cl as pz
 from benchmarks.random_scenes import filled_scene, random_scene, tiled_scene
 from benchmarks.visits import visits
 from hostcode.device.device import preferred_lanes
 from hostcode.program.plan import default_plan
-from hostcode.program.program import TREE_STACK, TREE_WIDTH
 from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.packing import code_of
 from photizon_cl.compile.tree_nodes import pack_nodes, unpack_nodes
-from photizon_cl.geometry.tree import BREAK_EVEN, build_tree, world_boxes
+from photizon_cl.geometry.tree import BREAK_EVEN, TREE_STACK, TREE_WIDTH, build_tree, world_boxes
 from photizon_cl.scene.settings import RunSettings
 
 # fifty sizes from 10 to 10^4
@@ -32,7 +32,7 @@ FEWER = RunSettings(rays_per_batch=256, generation_cap=40)
 
 
 def digest(device, scene, accelerate, lanes, run=RUN, force=frozenset(), **choices):
-    compiled = compile_scene(scene, run, force, accelerate)
+    compiled = compile_scene(scene, run, **with_tree(accelerate, force))
     assert ("acceleration" in compiled.effects) == accelerate
     plan = default_plan(device.record, lanes).with_(lanes=lanes, **choices)
     engine = Engine(device, compiled.tables, plan)
@@ -158,7 +158,7 @@ def test_a_tree_too_deep_for_the_stack_cannot_be_built():
 
 def test_both_tables_give_the_same_codes():
     scene = random_scene(200, seed=5)
-    tables = [compile_scene(scene, RUN, accelerate=tree).tables for tree in (False, True)]
+    tables = [compile_scene(scene, RUN, **with_tree(tree)).tables for tree in (False, True)]
     for n in range(200):
         plain, fast = (code_of(t, n) for t in tables)
         assert plain == fast
@@ -168,7 +168,7 @@ def test_both_tables_give_the_same_codes():
 def test_the_search_visits_few_nodes_of_many(device):
     counts = []
     for n in (64, 4096):
-        compiled = compile_scene(filled_scene(n, seed=2), RUN, accelerate=True)
+        compiled = compile_scene(filled_scene(n, seed=2), RUN, force=frozenset({"acceleration"}))
         boxes = world_boxes(compiled.scene.element, compiled.shift)
         tree = unpack_nodes(pack_nodes(*build_tree(boxes)))
         counts.append(visits(compiled, tree, device, 160)[0])

@@ -6,15 +6,15 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from oracles.engine import with_tree
 
 import photizon_cl as pz
 from benchmarks.random_scenes import AXES, filled_scene, tiled_scene
 from hostcode.program import program, templates
-from hostcode.program.program import TREE_NODE, TREE_WIDTH
 from hostcode.run.probe import probe_rays
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.compile.tree_nodes import pack_nodes, unpack_nodes
-from photizon_cl.geometry.tree import build_tree
+from photizon_cl.compile.tree_nodes import TREE_NODE, pack_nodes, unpack_nodes
+from photizon_cl.geometry.tree import TREE_WIDTH, build_tree
 from photizon_cl.scene.settings import RunSettings
 
 
@@ -98,7 +98,7 @@ def test_rays_all_but_along_the_axes_hit_what_the_plain_scan_hits(device, make):
     run = RunSettings(rays_per_batch=1024)
     scene, rays = make(1000, 6), steep_rays()
     found = [
-        probe_rays(device, compile_scene(scene, run, accelerate=tree).tables, rays, lanes)
+        probe_rays(device, compile_scene(scene, run, **with_tree(tree)).tables, rays, lanes)
         for tree, lanes in ((False, 8), (True, 1))
     ]
     (hits, element), (hits_too, element_too) = found
@@ -150,7 +150,7 @@ def differing(device):
     scene, rays = edges_around_the_origin()
     run = RunSettings(rays_per_batch=1024)
     (hits, _), (hits_too, _) = (
-        probe_rays(device, compile_scene(scene, run, accelerate=tree).tables, rays, 1)
+        probe_rays(device, compile_scene(scene, run, **with_tree(tree)).tables, rays, 1)
         for tree in (False, True)
     )
     same = (hits == hits_too) | (np.isnan(hits) & np.isnan(hits_too))

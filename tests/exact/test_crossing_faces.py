@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from oracles.engine import open_device, scene_of, trace
+from oracles.engine import open_device, scene_of, trace, with_tree
 from oracles.scenes import beam, matt
 
 import photizon_cl as pz
@@ -69,7 +69,7 @@ def test_hits_that_tie_have_one_order_in_tree_and_scan() -> None:
         )
         hit = set()
         for accelerate in (False, True):
-            tables = compile_scene(scene, scene.run, accelerate=accelerate).tables
+            tables = compile_scene(scene, scene.run, **with_tree(accelerate)).tables
             origins = np.tile([0.0, 0.0, 1.0], (16, 1))
             directions = np.tile([0.0, 0.0, -1.0], (16, 1))
             _, found = probe_rays(device, tables, np.hstack([origins, directions]), 16)

@@ -20,7 +20,7 @@ PLANS = {
 def test_tally_digest_is_the_chain_of_the_engines_batches() -> None:
     result = pz.trace("box-room", batches=5, rays_per_batch=1000, seed=7)
     found = trace("box-room", batches=5, rays_per_batch=1000, seed=7)
-    chain = Accumulator(found.compiled.layout.n_cells)
+    chain = Accumulator.of(found.compiled.layout)
     for cells in found.batches:
         chain.add(complete(found.compiled.layout, cells))
     assert result.summary()["tally_digest"] == chain.digest

@@ -58,7 +58,7 @@ def make(
     loaded = load(scene)
     compiled = compile_scene(loaded, loaded.run)
     layout = compiled.layout
-    tally = Accumulator(layout.n_cells, [(layout.killed, layout.boosted)])
+    tally = Accumulator.of(layout)
     random = np.random.default_rng(7)
     for _ in range(batches):
         cells = np.zeros((layout.n_cells, 4), np.int64)

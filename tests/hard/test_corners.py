@@ -22,7 +22,7 @@ from oracles.corners import (
     prism,
     rays_at_edges,
 )
-from oracles.engine import PLAN, open_device, trace_compiled
+from oracles.engine import PLAN, open_device, trace_compiled, with_tree
 
 from hostcode.run.probe import LEFT_PLUS, element_of, follow_rays, probe_faces
 from photizon_cl.compile.compiled import compile_scene
@@ -197,7 +197,7 @@ def test_what_a_corner_does_to_a_ray_depends_on_no_schedule() -> None:
     run = replace(scene.run, rays_per_batch=2000, generation_cap=40)
     digests = set()
     for accelerate in (False, True):
-        made = compile_scene(scene, run, accelerate=accelerate)
+        made = compile_scene(scene, run, **with_tree(accelerate))
         for plan in PLANS:
             found = trace_compiled(made, plan=plan)
             assert found.escaped == 0

@@ -160,13 +160,13 @@ MUTANTS = (
     ),
     Mutant(
         "siblings share a counter",
-        "lib/philox.mako",
+        "lib/children.mako",
         (("(p << 1) | (ulong)side", "(p << 1)"),),
         gates.paths_are_unique,
     ),
     Mutant(
         "siblings share a counter beyond 54 splits",
-        "lib/philox.mako",
+        "lib/children.mako",
         (("((1UL << 55) - 1UL)) | (ulong)side", "((1UL << 55) - 1UL))"),),
         lambda: gates.paths_are_unique(2**54, 6),
     ),

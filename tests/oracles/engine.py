@@ -199,6 +199,14 @@ def scene_of(sources: Any, elements: Any, **parts: Any) -> Scene:
     )
 
 
+TREE = frozenset({"acceleration"})
+
+
+def with_tree(tree: bool, force: frozenset[str] = frozenset()) -> dict[str, frozenset[str]]:
+    """Return what `compile_scene` is told so that it builds a tree of boxes, or none."""
+    return {"force": force | TREE} if tree else {"force": force, "without": TREE}
+
+
 def compiled(scene: Scene | str, force: frozenset[str] = frozenset(), **run: Any) -> CompiledScene:
     """Compile a scene or preset with some run settings changed."""
     found = load(scene) if isinstance(scene, str) else scene

@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from oracles import compare, corners, curved, philox, regions, scenes
-from oracles.engine import PLAN, compiled, probe, scene_of, trace, trace_compiled
+from oracles.engine import (
+    PLAN,
+    compiled,
+    probe,
+    scene_of,
+    trace,
+    trace_compiled,
+    with_tree,
+)
 from oracles.kernels import run_text
 from oracles.scenes import BLACK, beam, cube, glass, matt, mirror, wall
 from photizon_cl.compile.compiled import compile_scene
@@ -114,7 +122,7 @@ def rays_in_turn_keep_apart() -> None:
     ball = {"kind": "sphere", "radius": 0.3, "position": [0.3, -0.2, -0.4], "axis": "+z"}
     scene = scene_of([lamp, into_edge], [*cube(matt(0.9)), {**ball, **mirror(0.9)}])
     made = [
-        compile_scene(scene, replace(scene.run, rays_per_batch=512), accelerate=a)
+        compile_scene(scene, replace(scene.run, rays_per_batch=512), **with_tree(a))
         for a in (False, True)
     ]
     assert ["acceleration" in m.effects for m in made] == [False, True]

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hostcode.program.program import OPTIONS, program_source
+from hostcode.program.build import OPTIONS
+from hostcode.program.source import program_source
 from hostcode.program.templates import lane, render
 from oracles.engine import open_device
 
@@ -15,9 +16,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hostcode.device.device import OpenDevice
-    from hostcode.program.program import ProgramSpec
+    from hostcode.program.spec import ProgramSpec
 
-LIBRARIES = ("prelude", "lib/philox", "lib/elementary", "lib/vectors", "lib/limbs")
+LIBRARIES = ("prelude", "lib/philox", "lib/children", "lib/elementary", "lib/vectors", "lib/limbs")
 
 
 def library_text(lanes: int, names: tuple[str, ...], effects: frozenset[str]) -> str:

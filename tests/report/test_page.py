@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from photizon_cl.compile.effects import EFFECTS
+from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.views.report import figures, page
 from photizon_cl.views.text import with_error
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.compile.effects import EFFECTS
+from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.files import load
 from photizon_cl.scene.frames import frame

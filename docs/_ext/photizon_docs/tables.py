@@ -6,7 +6,7 @@ import dataclasses
 import re
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.compile.effects import EFFECTS
+from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
 from photizon_cl.scene.described import Nested, NestedList, parameters_of
 from photizon_cl.scene.elements import Element

@@ -1,9 +1,5 @@
-"""Effects: the named pieces of physics and bookkeeping that cost time on the device.
+"""Effects: the named pieces of physics and bookkeeping that cost time. One class a file.
 
-A scene compiles exactly the effects that it uses; `EFFECTS` lists every one that exists, with what
-it is and what it costs. Which of them a scene needs is decided where it is compiled.
+A scene compiles exactly the effects that it needs. `photizon_cl.compile.effects.table` lists every
+one that exists.
 """
-
-from photizon_cl.compile.effects.table import EFFECTS, Effect
-
-__all__ = ["EFFECTS", "Effect"]

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from photizon_cl.scene.described import Described
+from photizon_cl.scene.filters.generation import Generation
 from photizon_cl.scene.parameters import choice, integer, integers
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.elements.base import Element
+    from photizon_cl.scene.filters.base import Filter
 
 SIDES: Final = ("inside", "outside")
 MAX_BINS: Final = 8192
@@ -46,3 +51,12 @@ class Detector(Described):
         default=None, metadata=integer(1, MAX_GENERATIONS, "entries of the generation ladder")
     )
     side: str | None = field(default=None, metadata=choice(SIDES, "side of a curved element"))
+
+    def tallies(self, element: Element) -> list[tuple[str, tuple[Filter, ...]]]:
+        """Return name and filters of each tally that it divides arrivals by on an element."""
+        found: list[tuple[str, tuple[Filter, ...]]] = []
+        if self.generations is not None:
+            found.append(("ladder", (Generation(self.generations),)))
+        if self.map is not None:
+            found.append(("map", element.map_filters(*self.map)))
+        return found

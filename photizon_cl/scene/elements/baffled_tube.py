@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.base import Element
 from photizon_cl.scene.parameters import integer, number, positive_length
+from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.frames import Vec3
 
@@ -44,7 +47,20 @@ class BaffledTube(Element):
 
     kind: ClassVar[str] = "baffled-tube"
     kernel: ClassVar[str] = "baffled_tube"
-    family: ClassVar[str] = "walls"
+    does: ClassVar[str] = "walls and baffles of a square tube hit"
+    costs: ClassVar[str] = "one division a wall and a baffle a segment"
+    templates: ClassVar[tuple[str, ...]] = ("lib/local", "elements/baffled_tube")
+    traits: ClassVar[frozenset[str]] = frozenset({"moves-hits", "own-sides"})
+    row: ClassVar[Row] = Row(
+        "BAFFLED_TUBE",
+        ("half", "m", "half the side of the section"),
+        ("outer", "m", "the same with its rounding bound"),
+        ("inner", "m", "the same less that bound"),
+        ("length", "m", "length"),
+        ("plates", "", "number of baffles"),
+        ("hole", "m", "half the side of their holes less its rounding bound"),
+        ("near", "m", "rounding bound of a coordinate"),
+    )
     has_map: ClassVar[bool] = False
     default_side: ClassVar[str] = "inside"
     faces_at_a_point: ClassVar[int] = 3
@@ -99,8 +115,10 @@ class BaffledTube(Element):
         h = self.half_width
         return (-h, -h, 0.0), (h, h, self.length)
 
-    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
-        """Return the sizes with their bounds, see ``kernels/elements/baffled_tube.mako``."""
+    def packed(
+        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+    ) -> dict[str, float]:
+        """Return the sizes with their bounds."""
         rounding = 4.0 * _ROUNDOFF * max(map(abs, centre))
         near = rounding + 4.0 * _ROUNDOFF * self.half_width
         # a tilted tube's coordinates are sums of products as large as its length
@@ -108,15 +126,15 @@ class BaffledTube(Element):
         if axis is None:
             inside = 2.0 * near + 4.0 * _ROUNDOFF * self.length
         clear = self.clear_half_width if self.baffles and self.clear_half_width is not None else 0.0
-        return (
-            self.half_width,
-            self.half_width + near,
-            self.half_width - inside,
-            self.length,
-            float(self.baffles),
-            clear - near,
-            rounding,
-        )
+        return {
+            "half": self.half_width,
+            "outer": self.half_width + near,
+            "inner": self.half_width - inside,
+            "length": self.length,
+            "plates": float(self.baffles),
+            "hole": clear - near,
+            "near": rounding,
+        }
 
     @property
     def area(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.described import Described, Known, Nested
@@ -13,6 +13,12 @@ from photizon_cl.scene.detectors import Detector
 from photizon_cl.scene.frames import Frame, Vec3, frame, to_local
 from photizon_cl.scene.parameters import declare, point, signed_axis, tilt, unique_name
 from photizon_cl.scene.surfaces import Surface
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from photizon_cl.scene.filters.base import Filter
+    from photizon_cl.scene.rows import Row
 
 _ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bring it to a face
 
@@ -40,10 +46,24 @@ class Element(Described):
     label: ClassVar[str] = "element"
     kind: ClassVar[str] = ""
     kernel: ClassVar[str] = ""
-    family: ClassVar[str]
-    """How the kernels see it: ``flat``, ``sphere``, ``solid`` or ``walls``."""
+    does: ClassVar[str] = ""
+    """What it does, in one line."""
+    costs: ClassVar[str] = ""
+    """What the device does more because of it, in one line."""
+    row: ClassVar[Row]
+    """Columns of its row in the geometry table, between its position and its frame."""
+    templates: ClassVar[tuple[str, ...]]
+    """Kernel templates that are rendered for each class of it, in order, its own among them."""
+    libraries: ClassVar[tuple[str, ...]] = ()
+    """Kernel templates before those, once a program, which other kinds may share."""
+    traits: ClassVar[frozenset[str]] = frozenset()
+    """What else the shared templates ask for."""
+    faced: ClassVar[bool] = True
+    """Whether its kernel works in its own frame and says which of its faces is hit."""
+    alone: ClassVar[bool] = False
+    """Whether its kernel makes use of being the only element of its class in the scene."""
     flat: ClassVar[bool] = False
-    """Whether a detector's side is set by the normal alone."""
+    """Whether it is a part of a plane: then a detector's side is set by the normal alone."""
     faces_at_a_point: ClassVar[int] = 1
     """How many of its faces may meet at one point."""
     has_map: ClassVar[bool]
@@ -129,7 +149,7 @@ class Element(Described):
         return self.detector.side or self.default_side
 
     @property
-    def ported(self) -> bool:
+    def opening(self) -> bool:
         """Whether a part of it is cut out, so that the device tests for the opening."""
         return False
 
@@ -149,8 +169,10 @@ class Element(Described):
         """Low and high corner in local coordinates, in metres."""
 
     @abstractmethod
-    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
-        """Return columns 3 and on of its row in the geometry table, as its kernel names them.
+    def packed(
+        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0)
+    ) -> dict[str, float]:
+        """Return the values of its row's columns by name.
 
         Parameters
         ----------
@@ -159,11 +181,14 @@ class Element(Described):
             whichever is larger, in metres: what rounding bounds follow.
         axis : int or None
             World axis that its kernel is specialised to; None for the general one.
+        at_edges : sequence of float
+            By how much rounding bounds at the edges +u, −u, +v and −v are to be multiplied, see
+            `photizon_cl.geometry.wedges`.
         """
 
-    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
-        """Return the edges of a map's bins along u and along v, as the kernels want them."""
-        raise NotImplementedError  # only elements with `has_map` are asked
+    def map_filters(self, nx: int, ny: int) -> tuple[Filter, Filter]:
+        """Return what a map of nx × ny bins divides arrivals by; only those with `has_map` do."""
+        raise NotImplementedError(f"no map on a {self.kind}")
 
     @property
     @abstractmethod

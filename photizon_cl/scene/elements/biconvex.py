@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, ClassVar
 from photizon_cl.scene.elements.lens import (
     Lens,
     cap_area,
+    cap_columns,
     centre_depth,
     on_cap,
-    rounding_columns,
     sag,
 )
 from photizon_cl.scene.parameters import positive_length
+from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from photizon_cl.scene.frames import Vec3
 
 
@@ -38,6 +41,18 @@ class Biconvex(Lens):
 
     kind: ClassVar[str] = "biconvex"
     kernel: ClassVar[str] = "biconvex"
+    does: ClassVar[str] = "both caps of a lens hit"
+    costs: ClassVar[str] = "two roots a cap a segment"
+    templates: ClassVar[tuple[str, ...]] = (
+        "lib/local", "lib/solid", "lib/cap_bound", "elements/biconvex",
+    )  # fmt: skip
+    row: ClassVar[Row] = Row(
+        "BICONVEX",
+        ("back_depth", "m", "of the back ball's centre behind the rim's plane"),
+        ("back_inverse", "1/m", "1/R of the back ball"),
+        ("back_radius", "m", "R of the back ball"),
+        base=Lens.row,
+    )
     radii: ClassVar[tuple[str, ...]] = ("front_radius", "back_radius")
 
     front_radius: float = field(metadata=positive_length("radius of the front ball"))
@@ -62,22 +77,17 @@ class Biconvex(Lens):
         a = self.aperture_radius
         return (-a, -a, -sag(self.back_radius, a)), (a, a, sag(self.front_radius, a))
 
-    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
-        """Return the caps' columns, see ``kernels/elements/biconvex.mako``."""
-        a, front, back = self.aperture_radius, self.front_radius, self.back_radius
-        near, relative = rounding_columns(centre)
-        return (
-            a,
-            centre_depth(front, a),
-            1.0 / front,
-            a * a,
-            near,
-            front,
-            relative,
-            centre_depth(back, a),
-            1.0 / back,
-            back,
-        )
+    def packed(
+        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+    ) -> dict[str, float]:
+        """Return the caps' numbers."""
+        a, back = self.aperture_radius, self.back_radius
+        return {
+            **cap_columns(self.front_radius, a, centre),
+            "back_depth": centre_depth(back, a),
+            "back_inverse": 1.0 / back,
+            "back_radius": back,
+        }
 
     @property
     def area(self) -> float:

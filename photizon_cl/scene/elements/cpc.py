@@ -11,8 +11,11 @@ import numpy as np
 from photizon_cl.scene.elements.base import Element
 from photizon_cl.scene.frames import sincos_deg
 from photizon_cl.scene.parameters import number, positive_length
+from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.frames import Vec3
 
@@ -43,7 +46,24 @@ class Cpc(Element):
 
     kind: ClassVar[str] = "cpc"
     kernel: ClassVar[str] = "cpc"
-    family: ClassVar[str] = "walls"
+    does: ClassVar[str] = "compound parabolic concentrator hit"
+    costs: ClassVar[str] = "Newton steps on the profile, a square root each, an element a segment"
+    templates: ClassVar[tuple[str, ...]] = ("lib/local", "elements/cpc")
+    row: ClassVar[Row] = Row(
+        "CPC",
+        ("exit_radius", "scaled", "a'"),
+        ("length", "scaled", "L"),
+        ("cosine", "", "C, of the acceptance angle"),
+        ("sine", "", "S, of the acceptance angle"),
+        ("b", "scaled", "coefficient B of the meridian"),
+        ("d", "scaled", "coefficient D"),
+        ("e", "scaled²", "coefficient E"),
+        ("alpha", "scaled²", "B² + 4 C² E"),
+        ("beta", "scaled", "4 C (S B + C D)"),
+        ("outer", "scaled", "radius of a cylinder around it"),
+        ("scale", "1/m", "power of two that lengths are multiplied by, so that a' is about 1"),
+        ("near", "scaled", "rounding bound of a coordinate"),
+    )
     has_map: ClassVar[bool] = False
     default_side: ClassVar[str] = "inside"
 
@@ -86,8 +106,10 @@ class Cpc(Element):
         a = self.entrance_radius
         return (-a, -a, 0.0), (a, a, self.length)
 
-    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
-        """Return the profile's coefficients, lengths scaled, see ``kernels/elements/cpc.mako``."""
+    def packed(
+        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+    ) -> dict[str, float]:
+        """Return the profile's coefficients, lengths scaled."""
         scale = math.ldexp(1.0, -math.frexp(self.exit_radius)[1])
         s, c = sincos_deg(self.acceptance_deg)
         a1, length = self.exit_radius * scale, self.length * scale
@@ -99,21 +121,28 @@ class Cpc(Element):
         outer = self.entrance_radius * scale
         far = max(map(abs, centre)) * scale
         rounding = 4.0 * _ROUNDOFF * (far + outer)
-        return (a1, length, c, s, b, d, e, alpha, beta, outer + rounding, scale, rounding)
+        return {
+            "exit_radius": a1, "length": length, "cosine": c, "sine": s,
+            "b": b, "d": d, "e": e, "alpha": alpha, "beta": beta,
+            "outer": outer + rounding, "scale": scale, "near": rounding,
+        }  # fmt: skip
 
     def radius_at(self, z: float) -> float:
         """Return the wall's radius in metres at a height above the exit, 0 ≤ z ≤ L."""
-        scale = math.ldexp(1.0, -math.frexp(self.exit_radius)[1])
-        _, _, c, s, b, d, e, alpha, beta, *_ = self.packed((0.0, 0.0, 0.0), None)
-        z *= scale
-        q = e + z * (d - s * s * z)
-        return 2.0 * q / (2.0 * c * s * z + b + math.sqrt(alpha + beta * z)) / scale
+        k = self.packed((0.0, 0.0, 0.0), None)
+        c, s, z = k["cosine"], k["sine"], z * k["scale"]
+        q = k["e"] + z * (k["d"] - s * s * z)
+        root = math.sqrt(k["alpha"] + k["beta"] * z)
+        return 2.0 * q / (2.0 * c * s * z + k["b"] + root) / k["scale"]
 
     @property
     def area(self) -> float:
         """Area of the wall in m², by Gauss-Legendre quadrature of 2πR·ds."""
         nodes, weights = np.polynomial.legendre.leggauss(64)
-        _, length, c, s, b, d, _, _, _, _, scale, _ = self.packed((0.0, 0.0, 0.0), None)
+        k = self.packed((0.0, 0.0, 0.0), None)
+        length, c, s, b, d, scale = (
+            k[name] for name in ("length", "cosine", "sine", "b", "d", "scale")
+        )
         total = 0.0
         for node, weight in zip(nodes, weights, strict=True):
             z = 0.5 * length * (1.0 + float(node))

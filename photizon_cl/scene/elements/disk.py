@@ -27,6 +27,9 @@ class Disk(Flat):
 
     kind: ClassVar[str] = "disk"
     kernel: ClassVar[str] = "disk"
+    does: ClassVar[str] = "plane hit inside a circle"
+    costs: ClassVar[str] = "one division an element a segment"
+    templates: ClassVar[tuple[str, ...]] = ("elements/disk", "lib/flat")
 
     radius: float = field(metadata=positive_length("radius"))
 

@@ -6,13 +6,15 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from photizon_cl.scene.edges import even_edges
 from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.filters.along import Along
 from photizon_cl.scene.frames import axis_index
+from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from photizon_cl.scene.filters.base import Filter
     from photizon_cl.scene.frames import Vec3
 
 _ROUNDOFF: Final = 2.0**-53
@@ -22,7 +24,30 @@ _ROUNDOFF: Final = 2.0**-53
 class Flat(Element):
     """A part of a plane around `position`, with `axis` as its normal."""
 
-    family: ClassVar[str] = "flat"
+    row: ClassVar[Row] = Row(
+        "FLAT",
+        (
+            "outer_u",
+            "m",
+            "half size along u, or the axis behind the normal's, with its bound",
+        ),
+        ("outer_v", "m", "the same along v, or the axis behind that"),
+        ("inner_u", "m", "half size less its bound: a hit beyond it is moved onto it"),
+        ("inner_v", "m", "the same along v"),
+        ("ends", "m", "rounding bound of where other faces end at the plane"),
+        ("sign", "", "of the normal along its axis"),
+        ("aside", "", "how far beside its edge a face that meets it there may be, in `ends`"),
+        (
+            "plane",
+            "m",
+            "rounding bound of the plane, at most `ends`; a tilted one grows",
+        ),
+        ("outer_minus_u", "m", "as outer_u, on the other side of the centre"),
+        ("outer_minus_v", "m", "as outer_v, on the other side of the centre"),
+        ("inner_minus_u", "m", "as inner_u, on the other side of the centre"),
+        ("inner_minus_v", "m", "as inner_v, on the other side of the centre"),
+    )
+    faced: ClassVar[bool] = False
     flat: ClassVar[bool] = True
     has_map: ClassVar[bool] = True
 
@@ -44,7 +69,7 @@ class Flat(Element):
 
     def packed(
         self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0)
-    ) -> tuple[float, ...]:
+    ) -> dict[str, float]:
         """Return the half sizes with their rounding bounds, see ``kernels/lib/flat.mako``.
 
         The bounds are what the rounding of a hit point's coordinates can amount to: a few units
@@ -81,15 +106,25 @@ class Flat(Element):
         # how far aside a point of a face that meets this one at its edge may be where it is 64 of
         # that over it
         aside = 64.0 * max(2.0, *at_edges)
-        return (
-            outer_u, outer_v, inner_u, inner_v,
-            4.0 * _ROUNDOFF * ends,
-            -1.0 if axis_index(self.axis) % 2 else 1.0,
-            aside, 4.0 * _ROUNDOFF * plane,
-            outer_minus_u, outer_minus_v, inner_minus_u, inner_minus_v,
-        )  # fmt: skip
+        return {
+            "outer_u": outer_u,
+            "outer_v": outer_v,
+            "inner_u": inner_u,
+            "inner_v": inner_v,
+            "ends": 4.0 * _ROUNDOFF * ends,
+            "sign": -1.0 if axis_index(self.axis) % 2 else 1.0,
+            "aside": aside,
+            "plane": 4.0 * _ROUNDOFF * plane,
+            "outer_minus_u": outer_minus_u,
+            "outer_minus_v": outer_minus_v,
+            "inner_minus_u": inner_minus_u,
+            "inner_minus_v": inner_minus_v,
+        }
 
-    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
-        """Return edges in metres along u and along v over the bounding rectangle."""
+    def map_filters(self, nx: int, ny: int) -> tuple[Filter, Filter]:
+        """Return bins along u and along v over the bounding rectangle."""
         u, v = self.half_sizes
-        return even_edges(-u, u, nx), even_edges(-v, v, ny)
+        return (
+            Along(nx, "u", -u, u, "u", "m", (-u, u)),
+            Along(ny, "v", -v, v, "v", "m", (-v, v)),
+        )

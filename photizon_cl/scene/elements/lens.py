@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
     from photizon_cl.scene.described import Known
@@ -21,7 +22,17 @@ ROUNDOFF: Final = 2.0**-53
 class Lens(Element):
     """A solid bounded by caps; its surface is one property, its normals point out of the glass."""
 
-    family: ClassVar[str] = "solid"
+    row: ClassVar[Row] = Row(
+        "SOLID",
+        ("rim", "m", "radius a of the rim"),
+        ("depth", "m", "of the (front) ball's centre behind the rim's plane, h = sqrt(R² − a²)"),
+        ("inverse", "1/m", "1/R of the (front) ball"),
+        ("rim_square", "m²", "a²"),
+        ("near", "m", "rounding bound of a coordinate, absolute"),
+        ("radius", "m", "R of the (front) ball"),
+        ("relative", "", "rounding bound of a coordinate, relative to its size"),
+    )
+    libraries: ClassVar[tuple[str, ...]] = ("lib/cap",)
     has_map: ClassVar[bool] = False
     default_side: ClassVar[str] = "outside"
     faces_at_a_point: ClassVar[int] = 2
@@ -76,6 +87,14 @@ def on_cap(local: Vec3, radius: float, aperture: float, sign: float, slack: floa
     return abs(off) <= 2.0 * radius * slack
 
 
-def rounding_columns(centre: Vec3) -> tuple[float, float]:
-    """Return the rounding bound of a coordinate near the lens: absolute, and relative."""
-    return 4.0 * ROUNDOFF * max(map(abs, centre)), 4.0 * ROUNDOFF
+def cap_columns(radius: float, aperture: float, centre: Vec3) -> dict[str, float]:
+    """Return the columns of a lens's row for a cap, or for the front one."""
+    return {
+        "rim": aperture,
+        "depth": centre_depth(radius, aperture),
+        "inverse": 1.0 / radius,
+        "rim_square": aperture * aperture,
+        "near": 4.0 * ROUNDOFF * max(map(abs, centre)),
+        "radius": radius,
+        "relative": 4.0 * ROUNDOFF,
+    }

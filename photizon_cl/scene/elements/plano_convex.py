@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, ClassVar
 from photizon_cl.scene.elements.lens import (
     Lens,
     cap_area,
-    centre_depth,
+    cap_columns,
     on_cap,
-    rounding_columns,
     sag,
 )
 from photizon_cl.scene.parameters import positive_length
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from photizon_cl.scene.frames import Vec3
 
 
@@ -38,6 +39,11 @@ class PlanoConvex(Lens):
 
     kind: ClassVar[str] = "plano-convex"
     kernel: ClassVar[str] = "plano_convex"
+    does: ClassVar[str] = "plane and cap of a lens hit"
+    costs: ClassVar[str] = "two roots an element a segment"
+    templates: ClassVar[tuple[str, ...]] = (
+        "lib/local", "lib/solid", "lib/cap_bound", "elements/plano_convex",
+    )  # fmt: skip
     radii: ClassVar[tuple[str, ...]] = ("curvature_radius",)
 
     curvature_radius: float = field(metadata=positive_length("radius of the ball"))
@@ -59,11 +65,11 @@ class PlanoConvex(Lens):
         a = self.aperture_radius
         return (-a, -a, 0.0), (a, a, self.thickness)
 
-    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
-        """Return the cap's columns, see ``kernels/elements/plano_convex.mako``."""
-        radius, a = self.curvature_radius, self.aperture_radius
-        near, relative = rounding_columns(centre)
-        return (a, centre_depth(radius, a), 1.0 / radius, a * a, near, radius, relative)
+    def packed(
+        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+    ) -> dict[str, float]:
+        """Return the cap's numbers."""
+        return cap_columns(self.curvature_radius, self.aperture_radius, centre)
 
     @property
     def area(self) -> float:

@@ -29,6 +29,9 @@ class Rectangle(Flat):
 
     kind: ClassVar[str] = "rectangle"
     kernel: ClassVar[str] = "rectangle"
+    does: ClassVar[str] = "plane hit inside a rectangle"
+    costs: ClassVar[str] = "one division an element a segment"
+    templates: ClassVar[tuple[str, ...]] = ("elements/rectangle", "lib/flat")
 
     half_width: float = field(metadata=positive_length("half the side along u"))
     half_height: float = field(metadata=positive_length("half the side along v"))

@@ -7,12 +7,17 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.edges import azimuth_edges, even_edges
 from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.filters.along import Along
+from photizon_cl.scene.filters.azimuth import Azimuth
 from photizon_cl.scene.parameters import number, positive_length
+from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from photizon_cl.scene.described import Known
+    from photizon_cl.scene.filters.base import Filter
     from photizon_cl.scene.frames import Vec3
 
 SMALLEST_PORT = 1e-16  # below about half of this, 1 − 2f rounds to 1
@@ -39,8 +44,19 @@ class Sphere(Element):
 
     kind: ClassVar[str] = "sphere"
     kernel: ClassVar[str] = "sphere"
-    family: ClassVar[str] = "sphere"
-    flat: ClassVar[bool] = False
+    does: ClassVar[str] = "sphere hit"
+    costs: ClassVar[str] = "one square root and up to two roots an element a segment"
+    templates: ClassVar[tuple[str, ...]] = ("elements/sphere",)
+    row: ClassVar[Row] = Row(
+        "SPHERE",
+        ("radius", "m", "radius R"),
+        ("inverse_square", "1/m²", "1/R²"),
+        ("inverse", "1/m", "1/R"),
+        ("rim", "m", "height of the port's rim over the centre, with its rounding bound"),
+        ("on_surface", "m²", "rounding bound of |f|² − R²"),
+    )
+    faced: ClassVar[bool] = False
+    alone: ClassVar[bool] = True
     has_map: ClassVar[bool] = True
     default_side: ClassVar[str] = "inside"
 
@@ -73,7 +89,7 @@ class Sphere(Element):
         )
 
     @property
-    def ported(self) -> bool:
+    def opening(self) -> bool:
         """Whether it has a port."""
         return self.port_fraction > 0.0
 
@@ -88,16 +104,25 @@ class Sphere(Element):
         r = self.radius
         return (-r, -r, -r), (r, r, r)
 
-    def packed(self, centre: Vec3, axis: int | None) -> tuple[float, ...]:
-        """Return the radius and what follows from it, see ``kernels/elements/sphere.mako``."""
+    def packed(
+        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+    ) -> dict[str, float]:
+        """Return the radius and what follows from it."""
         radius, far = self.radius, max(map(abs, centre))
         rim = radius * self.cos_port + 4.0 * _ROUNDOFF * (radius + far)
         on_surface = 8.0 * _ROUNDOFF * radius * (radius + far)
-        return (radius, 1.0 / (radius * radius), 1.0 / radius, rim, on_surface)
+        return {
+            "radius": radius,
+            "inverse_square": 1.0 / (radius * radius),
+            "inverse": 1.0 / radius,
+            "rim": rim,
+            "on_surface": on_surface,
+        }
 
-    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
-        """Return cosine and sine of the edges in φ, and edges in metres along the axis."""
-        return azimuth_edges(nx), even_edges(-self.radius, self.radius, ny)
+    def map_filters(self, nx: int, ny: int) -> tuple[Filter, Filter]:
+        """Return bins in φ, and in cos θ, which are equal along the axis."""
+        r = self.radius
+        return Azimuth(nx), Along(ny, "w", -r, r, "cos_theta", "1", (-1.0, 1.0))
 
     @property
     def cos_port(self) -> float:

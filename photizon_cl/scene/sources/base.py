@@ -17,6 +17,7 @@ from photizon_cl.scene.parameters import (
     tilt,
     unique_name,
 )
+from photizon_cl.scene.rows import NO_ROW, Row
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,8 +40,16 @@ class Source(Described):
     label: ClassVar[str] = "source"
     kind: ClassVar[str] = ""
     kernel: ClassVar[str] = ""
+    does: ClassVar[str] = ""
+    """What it does, in one line."""
+    costs: ClassVar[str] = ""
+    """What the device does more because of it, in one line."""
     directed: ClassVar[bool] = False
     """Whether it has an axis and a tilt."""
+    draws_position: ClassVar[bool] = False
+    """Whether its rays start at many points, for which each draws a second pair of uniforms."""
+    row: ClassVar[Row] = NO_ROW
+    """Columns of its row in the source table, behind those that all sources have."""
 
     name: str = field(metadata=unique_name("unique among the sources"))
     flux: float = field(metadata=positive_power("radiant flux launched"))
@@ -52,9 +61,14 @@ class Source(Described):
         """Rows (u, v, w) of the local frame in world coordinates."""
         return frame("+z")
 
-    def packed(self) -> tuple[float, ...]:
-        """Return the device parameters of the shape, in the order that the kernel names them."""
-        return ()
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around `position` from which all rays start; 0 for a point."""
+        return 0.0
+
+    def packed(self) -> dict[str, float]:
+        """Return the values of its row's columns by name."""
+        return {}
 
     @abstractmethod
     def derived(self) -> dict[str, tuple[float, str]]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from photizon_cl.scene.parameters import positive_length
+from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import DirectedSource, disk_area
 
 
@@ -23,12 +24,21 @@ class CollimatedDisk(DirectedSource):
 
     kind: ClassVar[str] = "collimated-disk"
     kernel: ClassVar[str] = "collimated_disk"
+    does: ClassVar[str] = "parallel rays from a disk"
+    costs: ClassVar[str] = "one sine and cosine a ray"
+    draws_position: ClassVar[bool] = True
+    row: ClassVar[Row] = Row("COLLIMATED_DISK", ("radius", "m", "radius"))
 
     radius: float = field(metadata=positive_length("radius"))
 
-    def packed(self) -> tuple[float, ...]:
-        """Return ``(radius,)``."""
-        return (self.radius,)
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around `position` from which all rays start."""
+        return self.radius
+
+    def packed(self) -> dict[str, float]:
+        """Return the radius."""
+        return {"radius": self.radius}
 
     @property
     def area(self) -> float:

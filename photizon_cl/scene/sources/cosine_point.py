@@ -19,6 +19,8 @@ class CosinePoint(DirectedSource):
 
     kind: ClassVar[str] = "cosine-point"
     kernel: ClassVar[str] = "cosine_point"
+    does: ClassVar[str] = "rays from a point with a cosine lobe"
+    costs: ClassVar[str] = "one sine and cosine a ray"
 
     @property
     def radiant_intensity(self) -> float:

@@ -19,6 +19,8 @@ class IsotropicPoint(Source):
 
     kind: ClassVar[str] = "isotropic-point"
     kernel: ClassVar[str] = "isotropic_point"
+    does: ClassVar[str] = "rays from a point, uniform over the sphere"
+    costs: ClassVar[str] = "one sine and cosine a ray"
 
     @property
     def radiant_intensity(self) -> float:

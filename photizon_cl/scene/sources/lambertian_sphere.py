@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from photizon_cl.scene.parameters import positive_length
+from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import Source
 
 
@@ -25,12 +26,21 @@ class LambertianSphere(Source):
 
     kind: ClassVar[str] = "lambertian-sphere"
     kernel: ClassVar[str] = "lambertian_sphere"
+    does: ClassVar[str] = "rays from a shell of uniform radiance"
+    costs: ClassVar[str] = "two sines and cosines a ray"
+    draws_position: ClassVar[bool] = True
+    row: ClassVar[Row] = Row("LAMBERTIAN_SPHERE", ("radius", "m", "radius"))
 
     radius: float = field(metadata=positive_length("radius"))
 
-    def packed(self) -> tuple[float, ...]:
-        """Return ``(radius,)``."""
-        return (self.radius,)
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around `position` from which all rays start."""
+        return self.radius
+
+    def packed(self) -> dict[str, float]:
+        """Return the radius."""
+        return {"radius": self.radius}
 
     @property
     def area(self) -> float:

@@ -17,3 +17,5 @@ class Absorber(Surface):
 
     kind: ClassVar[str] = "absorber"
     kernel: ClassVar[str] = "absorber"
+    does: ClassVar[str] = "ends what arrives"
+    costs: ClassVar[str] = "one tally event a path"

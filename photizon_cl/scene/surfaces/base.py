@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from photizon_cl.scene.described import Described
+from photizon_cl.scene.rows import NO_ROW, Row
 
 
 @dataclass(frozen=True)
@@ -15,12 +16,22 @@ class Surface(Described):
     label: ClassVar[str] = "surface"
     kind: ClassVar[str] = ""
     kernel: ClassVar[str] = ""
+    does: ClassVar[str] = ""
+    """What it does, in one line."""
+    costs: ClassVar[str] = ""
+    """What the device does more because of it, in one line."""
+    row: ClassVar[Row] = NO_ROW
+    """Columns of its row in the material table."""
+    absorbs: ClassVar[bool] = True
+    """Whether the element takes what does not go on; else everything goes on."""
+    counts: ClassVar[bool] = True
+    """Whether meeting it is an interaction; else a ray passes as if nothing were there."""
     splits: ClassVar[bool] = False
-    """Whether a ray goes on as two."""
+    """Whether a ray may go on as two."""
 
-    def packed(self) -> tuple[float, ...]:
-        """Return the device parameters, in the order that the kernel names them."""
-        return ()
+    def packed(self) -> dict[str, float]:
+        """Return the values of its row's columns by name."""
+        return {}
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return derived quantities: name → (value, unit)."""

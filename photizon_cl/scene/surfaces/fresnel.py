@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from photizon_cl.scene.parameters import refractive_index
+from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces.base import Surface
 
 
@@ -34,6 +35,16 @@ class Fresnel(Surface):
 
     kind: ClassVar[str] = "fresnel"
     kernel: ClassVar[str] = "fresnel"
+    does: ClassVar[str] = "refraction and partial reflection"
+    costs: ClassVar[str] = "two square roots and a division an interaction"
+    row: ClassVar[Row] = Row(
+        "FRESNEL",
+        ("ratio_plus", "", "m = n₁/n₂ for a ray from the + side"),
+        ("one_less_square_plus", "", "1 − m², without cancellation"),
+        ("ratio_minus", "", "m for a ray from the − side"),
+        ("one_less_square_minus", "", "1 − m², without cancellation"),
+    )
+    absorbs: ClassVar[bool] = False
     splits: ClassVar[bool] = True
 
     index: float = field(metadata=refractive_index("index behind the normal, or inside the solid"))
@@ -41,19 +52,19 @@ class Fresnel(Surface):
         default=1.0, metadata=refractive_index("index on the normal's side")
     )
 
-    def packed(self) -> tuple[float, ...]:
-        """Return m = n₁/n₂ and 1 − m² from the + side, then from the − side.
+    def packed(self) -> dict[str, float]:
+        """Return m = n₁/n₂ and 1 − m² from the + side, and from the − side.
 
         1 − m² = (n₂ − n₁)(n₂ + n₁)/n₂², with the difference of the indices taken before anything
         is rounded.
         """
         inside, outside = self.index, self.index_outside
-        return (
-            outside / inside,
-            (inside - outside) * (inside + outside) / (inside * inside),
-            inside / outside,
-            (outside - inside) * (outside + inside) / (outside * outside),
-        )
+        return {
+            "ratio_plus": outside / inside,
+            "one_less_square_plus": (inside - outside) * (inside + outside) / (inside * inside),
+            "ratio_minus": inside / outside,
+            "one_less_square_minus": (outside - inside) * (outside + inside) / (outside * outside),
+        }
 
     @property
     def normal_reflectance(self) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from photizon_cl.scene.parameters import fraction
+from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces.base import Surface
 
 
@@ -25,14 +26,17 @@ class Lambertian(Surface):
 
     kind: ClassVar[str] = "lambertian"
     kernel: ClassVar[str] = "lambertian"
+    does: ClassVar[str] = "diffuse reflection"
+    costs: ClassVar[str] = "one random block, sine and cosine an interaction"
+    row: ClassVar[Row] = Row("LAMBERTIAN", ("reflectance", "", "part of the weight that goes on"))
 
     reflectance: float = field(
         metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
     )
 
-    def packed(self) -> tuple[float, ...]:
-        """Return ``(reflectance,)``."""
-        return (self.reflectance,)
+    def packed(self) -> dict[str, float]:
+        """Return the reflectance."""
+        return {"reflectance": self.reflectance}
 
     @property
     def absorptance(self) -> float:

@@ -81,9 +81,9 @@ def bounding_box(scene: Scene) -> Box:
 def source_outline(source: Source) -> list[NDArray[np.float64]]:
     """Return the lines that show a source's size, shape (k, 3), in metres; a point for a point."""
     at = np.array(source.position)
-    if not source.packed():
+    if not source.reach:
         return [at[np.newaxis]]
-    radius = source.packed()[0]
+    radius = source.reach
     u, v, w = np.array(source.frame)
     circles = [(u, v), (v, w), (w, u)] if isinstance(source, LambertianSphere) else [(u, v)]
     return [

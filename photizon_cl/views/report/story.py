@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from markupsafe import Markup
 
-from photizon_cl.compile.effects import EFFECTS
+from photizon_cl.compile.effects.table import EFFECT_ROWS
 from photizon_cl.views.report.numbers import amount, brief, integer, number, percent, share
 from photizon_cl.views.report.tables import Table
 from photizon_cl.views.text import lit_percent
@@ -195,14 +195,16 @@ def _named(effect: str) -> Markup:
 def effects_tables(result: Result) -> tuple[Table, Table]:
     """Return the effects that were compiled in, and those that were left out."""
     used = result.compiled.effects
-    unlisted = sorted(used - set(EFFECTS))
+    unlisted = sorted(used - set(EFFECT_ROWS))
     inside: list[tuple[str, ...]] = [
         (_named(name), effect.what, effect.costs)
-        for name, effect in EFFECTS.items()
+        for name, effect in EFFECT_ROWS.items()
         if name in used
     ]
     inside += [(name, "–", "–") for name in unlisted]
-    outside = [(_named(name), effect.what) for name, effect in EFFECTS.items() if name not in used]
+    outside = [
+        (_named(name), effect.what) for name, effect in EFFECT_ROWS.items() if name not in used
+    ]
     heads = (("effect", False), ("what it does", False), ("what it costs on the device", False))
     return (
         Table("table-effects", "Effects in use: compiled in for this scene", heads, inside),

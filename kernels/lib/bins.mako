@@ -1,4 +1,18 @@
+## ending_fields
+// An ending as the tally stage reads it: one number of each.
+typedef struct {
+% for field in ending_fields:
+    ${{"real": "double", "word": "uint"}[field.type]} ${field.name};  // ${field.meaning}
+% endfor
+} ending_record_t;
+
 // Bins by exact edge tests, one number at a time.
+
+// An arrival as filters see it: its place in the detector's own frame, in m, and its generation.
+typedef struct {
+    double u, v, w;
+    uint generation;
+} arrival_t;
 
 // The bin of x among n bins with ascending edges[0..n]; the first and last bin take what rounding
 // put outside.  Half-open upwards, the last bin closed.

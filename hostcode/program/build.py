@@ -1,0 +1,92 @@
+"""Building a program for a device, once a process."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from hostcode.errors import KernelBuildError
+from hostcode.program.source import program_source
+
+if TYPE_CHECKING:
+    import pyopencl as cl
+
+    from hostcode.device.device import OpenDevice
+    from hostcode.program.spec import ProgramSpec
+
+__all__ = ["OPTIONS", "Program", "build"]
+
+OPTIONS: Final[tuple[str, ...]] = ("-cl-std=CL1.2",)
+"""Build options; no ``-cl-*-math`` option may ever stand here."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program built for one device."""
+
+    spec: ProgramSpec
+    source: str
+    digest: str
+    build_seconds: float
+    built: cl.Program
+
+    def kernel(self, name: str) -> cl.Kernel:
+        """Return a new kernel object; keep it, each call makes another."""
+        import pyopencl as cl
+
+        return cl.Kernel(self.built, name)
+
+
+_CACHE: dict[tuple[int, ProgramSpec], Program] = {}
+_MESSAGE = re.compile(r'(?:^|\s)"?kernels/(?P<name>[\w/]+\.mako)"?:(?P<line>\d+):(?P<rest>.*)')
+
+
+def _build_error(log: str) -> KernelBuildError:
+    """Turn a compiler's log into an error that points into a template."""
+    from hostcode.assets import kernels_dir
+
+    matches = [m for m in map(_MESSAGE.search, log.splitlines()) if m]
+    found = next((m for m in matches if "error" in m["rest"]), matches[0] if matches else None)
+    if found is None:
+        return KernelBuildError("(program)", None, "the compiler refused it", log)
+    name, line = found["name"], int(found["line"])
+    text = (kernels_dir() / name).read_text(encoding="utf-8").splitlines()
+    near = range(max(line - 2, 1), min(line + 2, len(text)) + 1)
+    excerpt = "\n".join(f"{'>' if n == line else ' '}{n:5d} | {text[n - 1]}" for n in near)
+    return KernelBuildError(name, line, found["rest"].strip(), f"{excerpt}\n\n{log}")
+
+
+def build(device: OpenDevice, spec: ProgramSpec) -> Program:
+    """Build (or take from this process's cache) the program of a spec on a device.
+
+    Parameters
+    ----------
+    device : OpenDevice
+        An open device; programs are cached for each context.
+    spec : ProgramSpec
+        What the program must do.
+
+    Raises
+    ------
+    KernelBuildError
+        Where a template does not render or the compiler refuses the text, with its line.
+    """
+    import pyopencl as cl
+
+    key = (device.context.int_ptr, spec)
+    if key in _CACHE:
+        return _CACHE[key]
+    source = program_source(spec)
+    digest = hashlib.sha256("\0".join((source, *OPTIONS)).encode()).hexdigest()
+    started = time.perf_counter()
+    program = cl.Program(device.context, source)
+    try:
+        built = program.build(options=list(OPTIONS))
+    except cl.RuntimeError as error:
+        raise _build_error(str(error)) from error
+    made = Program(spec, source, digest, time.perf_counter() - started, built)
+    _CACHE[key] = made
+    return made

@@ -1,0 +1,109 @@
+"""The text of a program: templates in the order in which C needs them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from hostcode.program.codes import CODE
+from hostcode.program.fields import declare, of_type
+from hostcode.program.spec import CACHE_LINE
+from hostcode.program.structs import ITEM, LAUNCH, c_struct
+from hostcode.program.templates import lane, render
+
+if TYPE_CHECKING:
+    from hostcode.program.spec import ProgramSpec
+
+__all__ = ["PLACES", "program_source"]
+
+PLACES: Final = ("search", "survive", "tally")
+"""Where the templates of effects stand: behind the elements' functions, before what may end a ray
+between two interactions, among what counts endings."""
+
+_ALONE: Final = frozenset({"probe", "follow", "paths"})
+"""Stages that leave nothing for the tally stage."""
+
+
+def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
+    """Return the templates of a program in order, each with what it is rendered with besides."""
+    placed = [entry for part in spec.parts for entry in part.templates]
+
+    def at(place: str) -> list[str]:
+        return [template for where, template in placed if where == place]
+
+    names = ["prelude", "lib/philox", "lib/elementary", "lib/vectors", "lib/limbs", "lib/packets"]
+    if spec.splits:
+        names.append("lib/children")
+    names += dict.fromkeys(library for cls in spec.classes for library in cls.libraries)
+    parts: list[tuple[str, dict[str, Any]]] = [(name, {}) for name in names]
+    for cls in spec.classes:
+        parts += [(name, {"cls": cls}) for name in (*cls.templates, "lib/meet")]
+    names = [*at("search"), "lib/faces", "lib/nearest", "lib/locate", "lib/ledger", "lib/event"]
+    names.append("lib/directions")
+    names += [f"surfaces/{surface.kind}" for surface in spec.surfaces]
+    if spec.records:
+        names += ["lib/cells", "lib/bins"]
+    parts += [(name, {}) for name in names]
+    if spec.records:
+        filters = dict.fromkeys(entry for form in spec.forms for entry in form.filters)
+        parts += [(f"filters/{stem}", {"option": option}) for stem, option in filters]
+    names = [*at("tally"), *at("survive"), "lib/shade", "lib/survive", "lib/sources"]
+    names += [f"sources/{source.stem}" for source in spec.sources]
+    names += ["lib/generate", "lib/queue", "lib/interaction", "lib/arguments"]
+    names += [f"stages/{stage}" for stage in spec.stages]
+    if spec.records and not _ALONE & set(spec.stages):
+        names.append("stages/tally")
+    return parts + [(name, {}) for name in names]
+
+
+def program_source(spec: ProgramSpec) -> str:
+    """Return the OpenCL C text of a program.
+
+    Raises
+    ------
+    KernelBuildError
+        Where a template does not render.
+    """
+    ray, ending = spec.ray_fields, spec.ending_fields
+    hooks: dict[str, list[str]] = {"travel": [], "surface": [], "survive": []}
+    for part in spec.parts:
+        for place, statement in part.hooks:
+            hooks[place].append(statement)
+    context: dict[str, Any] = {
+        "lanes": spec.lanes,
+        "packets": spec.packets,
+        "cached_bytes": spec.cached_bytes,
+        "cache_line": CACHE_LINE,
+        "lane": lambda value, number: lane(value, number, spec.lanes),
+        "effects": spec.effects,
+        "classes": spec.classes,
+        "surfaces": spec.surfaces,
+        "sources": spec.sources,
+        "forms": spec.forms,
+        "records": spec.records,
+        "recorded": spec.recorded,
+        "splits": spec.splits,
+        "passes": spec.passes,
+        "hooks": hooks,
+        "interleaved": spec.interleaved,
+        "private_tallies": spec.private_tallies,
+        "n_elements": spec.n_elements,
+        "ledger": spec.ledger,
+        "ledger_rows": spec.n_elements + len(spec.ledger) if spec.n_elements else 0,
+        "columns": spec.columns,
+        "strides": spec.strides,
+        "code": CODE,
+        "launch_struct": c_struct("launch_t", LAUNCH + spec.launch_members),
+        "item_struct": c_struct("item_t", ITEM),
+        "ray_fields": ray,
+        "ray_struct": declare(ray),
+        "ray_real": of_type(ray, "real"),
+        "ray_word": of_type(ray, "word"),
+        "ray_long": of_type(ray, "long", "ulong"),
+        "hit_fields": spec.hit_fields,
+        "ending_fields": ending,
+        "ending_struct": declare(ending),
+        "ending_real": of_type(ending, "real"),
+        "ending_word": of_type(ending, "word"),
+        "counts": dict(entry for part in spec.parts for entry in part.parameters),
+    }
+    return "".join(render(f"{name}.mako", **context, **extra) for name, extra in _parts(spec))

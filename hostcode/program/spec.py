@@ -1,0 +1,286 @@
+"""What the text of a program depends on.
+
+`ProgramSpec` names everything: the lane width, the element classes, surfaces, sources, tallies and
+effects in use, the fields of a ray, and a few counts. Two scenes with equal specs share a program;
+parameters live in buffers and do not recompile anything.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from hostcode.program.fields import BASE_ENDING, BASE_HIT, BASE_RAY
+
+if TYPE_CHECKING:
+    from hostcode.program.fields import EndingField, HitField, RayField
+
+__all__ = [
+    "CACHED_BYTES",
+    "CACHE_LINE",
+    "MAX_REGISTER_ELEMENTS",
+    "EffectParts",
+    "ElementClass",
+    "ProgramSpec",
+    "SourceKind",
+    "Strides",
+    "SurfaceKind",
+    "TallyForm",
+]
+
+MAX_REGISTER_ELEMENTS: Final = 8
+"""Up to this many elements the ledger is kept in registers."""
+CACHE_LINE: Final = 64
+"""Bytes of a cache line."""
+CACHED_BYTES: Final = 1 << 20
+"""How much of a scene's tables is taken to stay in a core's cache: its second level, measured."""
+
+
+@dataclass(frozen=True)
+class ElementClass:
+    """Elements that one intersection function serves.
+
+    Parameters
+    ----------
+    kind : str
+        Stem of the kernel file in ``kernels/elements``.
+    templates : tuple of str
+        Kernel templates that are rendered for each class, in order, its own file among them.
+    libraries : tuple of str
+        Kernel templates that such classes share, rendered once a program before them.
+    flat : bool
+        Whether it lies in a plane: then a hit near its edge is moved onto it.
+    faced : bool
+        Whether its functions work in the element's own frame, and know several faces.
+    axis : int or None
+        World axis (0, 1, 2) of the normal; None where it is tilted or has no meaning.
+    opening : bool
+        Whether a part of it is cut out.
+    traits : frozenset of str
+        What else its templates ask for.
+    single : bool
+        Whether the scene has just one element of the class, and its functions make use of that.
+    number : int
+        Its place in the class table.
+    """
+
+    kind: str
+    templates: tuple[str, ...]
+    libraries: tuple[str, ...]
+    flat: bool
+    faced: bool
+    axis: int | None
+    opening: bool = False
+    traits: frozenset[str] = frozenset()
+    single: bool = False
+    number: int = 0
+
+    @property
+    def suffix(self) -> str:
+        """Suffix of its functions."""
+        turned = "_tilted" if self.axis is None else f"_{'xyz'[self.axis]}"
+        return self.kind + (turned if self.flat else "") + ("_open" if self.opening else "")
+
+
+@dataclass(frozen=True)
+class SurfaceKind:
+    """A surface kind in use.
+
+    Parameters
+    ----------
+    kind : str
+        Stem of its kernel file.
+    number : int
+        Its number in the codes.
+    single : bool
+        Whether all its elements share one material.
+    absorbs : bool
+        Whether what it does not send on is absorbed by the element; else it sends on everything.
+    splits : bool
+        Whether a ray may go on as two.
+    counts : bool
+        Whether meeting it is an interaction; else a ray passes as if nothing were there.
+    """
+
+    kind: str
+    number: int
+    single: bool
+    absorbs: bool = True
+    splits: bool = False
+    counts: bool = True
+
+
+@dataclass(frozen=True)
+class SourceKind:
+    """A source kind in use: stem of its kernel file, number, whether it draws a position."""
+
+    stem: str
+    number: int
+    draws_position: bool
+
+
+@dataclass(frozen=True)
+class TallyForm:
+    """What detectors count by: the filters of a tally in order, the first changing fastest.
+
+    Parameters
+    ----------
+    filters : tuple of (str, str)
+        Stem of each filter's kernel file, and the option that it is rendered with.
+    """
+
+    filters: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Strides:
+    """Lengths of the tables' rows, and where in an element's and a source's its frame stands.
+
+    They follow from the kinds in use. An element's row is a whole number of cache lines.
+    """
+
+    row: int = 24
+    row_frame: int = 15
+    material: int = 0
+    source: int = 0
+    source_frame: int = 0
+
+
+@dataclass(frozen=True)
+class EffectParts:
+    """What an effect brings to a program.
+
+    Parameters
+    ----------
+    ray : tuple of RayField
+        Numbers that a ray carries because of it.
+    hit : tuple of HitField
+        Numbers that a search gives because of it.
+    ending : tuple of EndingField
+        Numbers that are recorded because of it.
+    templates : tuple of (str, str)
+        Place in the program (see `hostcode.program.source.PLACES`) and kernel template.
+    hooks : tuple of (str, str)
+        Place in an interaction (see kernels/lib/interaction.mako) and the C statement there.
+    launch : tuple of (str, str, str)
+        Members of the launch structure: name, C type, meaning.
+    records : tuple of str
+        What is recorded for the tally stage: ``arrivals``, ``escapes``.
+    splits : bool
+        Whether rays go on as two.
+    one_by_one : bool
+        Whether each ray is searched for by itself, so that packets have one lane.
+    parameters : tuple of (str, int)
+        Counts that the templates ask for.
+    """
+
+    ray: tuple[RayField, ...] = ()
+    hit: tuple[HitField, ...] = ()
+    ending: tuple[EndingField, ...] = ()
+    templates: tuple[tuple[str, str], ...] = ()
+    hooks: tuple[tuple[str, str], ...] = ()
+    launch: tuple[tuple[str, str, str], ...] = ()
+    records: tuple[str, ...] = ()
+    splits: bool = False
+    one_by_one: bool = False
+    parameters: tuple[tuple[str, int], ...] = ()
+
+
+@dataclass(frozen=True)
+class ProgramSpec:
+    """Everything that the text of a program depends on."""
+
+    classes: tuple[ElementClass, ...]
+    surfaces: tuple[SurfaceKind, ...]
+    sources: tuple[SourceKind, ...]
+    forms: tuple[TallyForm, ...]
+    """Forms of the detectors' tallies."""
+    effects: frozenset[str]
+    """Names that templates ask for."""
+    parts: tuple[EffectParts, ...]
+    """What the effects in use bring, in order."""
+    columns: tuple[tuple[str, int], ...]
+    """Names of the tables' columns as the kernels have them, and their places in a row."""
+    strides: Strides
+    ledger: tuple[str, ...]
+    """Rows of the ledger behind the elements'."""
+    n_elements: int
+    """Number of elements where the ledger is kept in registers, else 0."""
+    lanes: int = 1
+    packets: int = 1
+    """Packets of so many lanes that a work-item keeps at once."""
+    cached_bytes: int = 0
+    """With a tree: how much of the scene's tables stays in a core's cache."""
+    interleaved: bool = False
+    private_tallies: bool = False
+    stages: tuple[str, ...] = ("wave",)
+
+    def for_device(
+        self,
+        lanes: int,
+        stages: tuple[str, ...],
+        *,
+        interleaved: bool = False,
+        private_tallies: bool = False,
+        cached_bytes: int = CACHED_BYTES,
+    ) -> ProgramSpec:
+        """Return the spec with what a device and a composition add.
+
+        `lanes` is how many rays a work-item holds at once: in the lanes of one packet, or, where
+        each is searched for by itself, in as many packets of one lane.
+        """
+        one_by_one = self.one_by_one
+        return replace(
+            self,
+            lanes=1 if one_by_one else lanes,
+            packets=lanes if one_by_one else 1,
+            cached_bytes=cached_bytes if one_by_one and lanes > 1 else 0,
+            stages=stages,
+            interleaved=interleaved,
+            private_tallies=private_tallies,
+        )
+
+    @property
+    def splits(self) -> bool:
+        """Whether rays go on as two."""
+        return any(part.splits for part in self.parts)
+
+    @property
+    def passes(self) -> bool:
+        """Whether there are surfaces that a ray passes as if nothing were there."""
+        return any(not surface.counts for surface in self.surfaces)
+
+    @property
+    def one_by_one(self) -> bool:
+        """Whether each ray is searched for by itself."""
+        return any(part.one_by_one for part in self.parts)
+
+    @property
+    def recorded(self) -> frozenset[str]:
+        """What is recorded for the tally stage."""
+        return frozenset(what for part in self.parts for what in part.records)
+
+    @property
+    def records(self) -> bool:
+        """Whether anything is recorded for the tally stage."""
+        return bool(self.recorded)
+
+    @property
+    def ray_fields(self) -> tuple[RayField, ...]:
+        """What a ray carries."""
+        return BASE_RAY + tuple(field for part in self.parts for field in part.ray)
+
+    @property
+    def hit_fields(self) -> tuple[HitField, ...]:
+        """What a search gives."""
+        return BASE_HIT + tuple(field for part in self.parts for field in part.hit)
+
+    @property
+    def ending_fields(self) -> tuple[EndingField, ...]:
+        """What a record holds."""
+        return BASE_ENDING + tuple(field for part in self.parts for field in part.ending)
+
+    @property
+    def launch_members(self) -> tuple[tuple[str, str, str], ...]:
+        """What effects add to the launch structure."""
+        return tuple(member for part in self.parts for member in part.launch)

@@ -1,0 +1,78 @@
+## surfaces (kinds in use: .splits), splits, passes
+// What a surface is told of a ray that meets it, and what it answers.
+//
+// Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
+// lanes in event->m and of no others.  An outcome begins as: nothing goes on, on the side that the ray
+// came from.
+
+typedef struct {
+    mask m;                 // lanes that meet a surface of the kind
+    const packet_t *p;      // the ray, with its weight before
+    const contact_t *c;     // where it meets the face: point, normal, side
+    ulong seed;             // of every draw
+} encounter_t;
+
+// Rows of the material table: `only` for all lanes, where a kind has just one, else `row` of each.
+typedef struct {
+    __global const double *table;
+    lint row;
+    long only;
+} material_t;
+
+FN real material_number(const material_t *material, int column) {
+    if (material->only >= 0) return splat(material->table[material->only + column]);
+    return gather(material->table + column, material->row);
+}
+
+// dx, dy, dz, w: the ray that goes on in its lane, none where w is 0.  went_plus: whether on the + side.
+// splits: lanes in which a second ray goes on, on the side that the ray came from, with direction second_d
+// and weight second_w.  passes: lanes in which nothing happened: the ray goes on in its generation.
+typedef struct {
+    real dx, dy, dz, w;
+    mask went_plus;
+% if splits:
+    mask splits;
+    real second_dx, second_dy, second_dz, second_w;
+% endif
+% if passes:
+    mask passes;
+% endif
+} outcome_t;
+
+FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
+    outcome_t o;
+    o.dx = p->dx; o.dy = p->dy; o.dz = p->dz;
+    o.w = splat(0.0);
+    o.went_plus = c->came_plus;
+% if splits:
+    o.splits = lsplat(0L);
+    o.second_dx = p->dx; o.second_dy = p->dy; o.second_dz = p->dz;
+    o.second_w = splat(0.0);
+% endif
+% if passes:
+    o.passes = lsplat(0L);
+% endif
+    return o;
+}
+
+// The ray goes on with a direction and a weight, on the side that it came from.
+FN void send_on(outcome_t *o, mask m, real dx, real dy, real dz, real w) {
+    o->dx = SEL(m, dx, o->dx); o->dy = SEL(m, dy, o->dy); o->dz = SEL(m, dz, o->dz);
+    o->w = SEL(m, w, o->w);
+}
+% if splits:
+
+// A second ray goes on beside it.
+FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, real w) {
+% if sum(s.splits for s in surfaces) == 1:
+    // no other kind sends one: what lanes without one hold is not read
+    o->second_dx = dx; o->second_dy = dy; o->second_dz = dz;
+    o->second_w = w;
+% else:
+    o->second_dx = SEL(m, dx, o->second_dx); o->second_dy = SEL(m, dy, o->second_dy);
+    o->second_dz = SEL(m, dz, o->second_dz);
+    o->second_w = SEL(m, w, o->second_w);
+% endif
+    o->splits |= m;
+}
+% endif

@@ -1,0 +1,98 @@
+"""A scene under compilation: what effects ask, and the tables that they add to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from hostcode.program.spec import TallyForm
+from photizon_cl.geometry.neighbours import Neighbours
+from photizon_cl.geometry.wedges import edge_factors
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from hostcode.program.spec import ElementClass, Strides
+    from photizon_cl.compile.layout import TallyLayout
+    from photizon_cl.scene.filters.base import Filter
+    from photizon_cl.scene.frames import Vec3
+    from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.settings import RunSettings
+
+__all__ = ["Draft"]
+
+
+@dataclass(eq=False)
+class Draft:
+    """A scene under compilation.
+
+    Parameters
+    ----------
+    scene, settings
+        What is compiled.
+    layout : TallyLayout
+        What the cells mean.
+    shift : tuple of float
+        Taken off every position, in metres.
+    all_tilted : bool
+        Whether every element is taken as turned off the axes.
+    weights_differ : bool
+        Whether rays remember the weight with which they were launched.
+    """
+
+    scene: Scene
+    settings: RunSettings
+    layout: TallyLayout
+    shift: Vec3
+    all_tilted: bool = False
+    weights_differ: bool = False
+    # the tables, filled in this order
+    classes: tuple[ElementClass, ...] = ()
+    strides: Strides | None = None
+    geometry: NDArray[np.float64] | None = None
+    element_codes: list[int] = field(default_factory=list)
+    material_of: list[int] = field(default_factory=list)
+    codes: list[int] = field(default_factory=list)
+    detector_numbers: list[float] = field(default_factory=list)
+    edges: list[float] = field(default_factory=list)
+    launch: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def near(self) -> Neighbours:
+        """Which elements are near each other."""
+        return Neighbours(self.scene.element)
+
+    @cached_property
+    def at_edges(self) -> NDArray[np.float64]:
+        """Factors of the elements' rounding bounds at their edges, see `edge_factors`."""
+        return edge_factors(self.near)
+
+    @cached_property
+    def forms(self) -> tuple[TallyForm, ...]:
+        """The different forms of the detectors' tallies."""
+        found = {self._form(t.filters) for d in self.layout.detectors for t in d.tallies}
+        return tuple(sorted(found, key=lambda form: form.filters))
+
+    def form_of(self, filters: tuple[Filter, ...]) -> int:
+        """Return the number of a tally's form."""
+        return self.forms.index(self._form(filters))
+
+    @staticmethod
+    def _form(filters: tuple[Filter, ...]) -> TallyForm:
+        return TallyForm(tuple((f.kernel, f.option) for f in filters))
+
+    def add_codes(self, values: Iterable[int]) -> int:
+        """Add integers to the table of codes; return where they begin."""
+        first = len(self.codes)
+        self.codes += values
+        return first
+
+    def add_edges(self, values: Iterable[float]) -> int:
+        """Add edges of bins; return where they begin."""
+        first = len(self.edges)
+        self.edges += values
+        return first

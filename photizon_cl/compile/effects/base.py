@@ -1,0 +1,65 @@
+"""What all effects share.
+
+An effect is a named piece of physics or bookkeeping that costs time on the device. A scene compiles
+exactly the effects that it needs; forcing one on changes no bit of the answer.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+from hostcode.program.spec import EffectParts
+
+if TYPE_CHECKING:
+    from photizon_cl.compile.draft import Draft
+    from photizon_cl.compile.layout import LedgerRow
+    from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.settings import RunSettings
+
+__all__ = ["Effect"]
+
+
+class Effect(ABC):
+    """One thing that a scene may need and another does without.
+
+    `compile_scene` asks every effect in the order of the table, and knows none by name.
+    """
+
+    name: ClassVar[str]
+    """A word."""
+    what: ClassVar[str]
+    """What it does, in one line."""
+    costs: ClassVar[str]
+    """What the device does more because of it, in one line."""
+    in_text: ClassVar[bool] = False
+    """Whether kernels ask for it by name (``"name" in effects``)."""
+
+    @abstractmethod
+    def needed(self, scene: Scene, settings: RunSettings) -> str | None:
+        """Return why a scene, run so, needs it, as a clause behind "because"; None where not."""
+
+    def possible(self, scene: Scene) -> bool:
+        """Say whether it can be forced on in a scene that does not need it."""
+        return True
+
+    def rows(self, scene: Scene) -> tuple[LedgerRow, ...]:
+        """Return the rows that it adds to the ledger."""
+        return ()
+
+    def cells(self, scene: Scene) -> tuple[int, ...]:
+        """Return the shape of the cells that it brings to the tally; empty where it brings none.
+
+        Their first one is the member ``<name>`` (with ``_`` for ``-``) of the launch structure.
+        """
+        return ()
+
+    def prepare(self, draft: Draft, *, forced: bool) -> None:  # noqa: B027 - most have nothing to do
+        """Change how the scene is laid out, before the tables are made."""
+
+    def parts(self, draft: Draft) -> EffectParts:
+        """Return what it brings to the program."""
+        return EffectParts()
+
+    def assemble(self, draft: Draft) -> None:  # noqa: B027 - most have nothing to do
+        """Add to the tables, once the elements' rows and codes are there."""

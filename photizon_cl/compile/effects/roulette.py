@@ -1,0 +1,44 @@
+"""Russian roulette."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from hostcode.program.fields import RayField
+from hostcode.program.spec import EffectParts
+from photizon_cl.compile.effects.base import Effect
+
+if TYPE_CHECKING:
+    from photizon_cl.compile.draft import Draft
+    from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.settings import RunSettings
+
+
+class Roulette(Effect):
+    """Rays below the floor go on with twice their weight or end, by chance."""
+
+    name: ClassVar[str] = "roulette"
+    what: ClassVar[str] = "rays of low weight survive by chance, with more weight"
+    costs: ClassVar[str] = (
+        "one comparison an interaction, a random block for each play, two ledger rows"
+    )
+
+    def needed(self, scene: Scene, settings: RunSettings) -> str | None:
+        """Where there is a floor."""
+        floor = settings.roulette_floor
+        return f"roulette_floor is {floor:g}" if floor > 0.0 else None
+
+    def parts(self, draft: Draft) -> EffectParts:
+        """Return the play, and the launched weight that the floor is a fraction of."""
+        launched = RayField("launched", "real", "w", "weight as launched", "splat(0.0)")
+        return EffectParts(
+            # rays that all weigh 1 need not remember it
+            ray=(launched,) if draft.weights_differ else (),
+            templates=(("survive", "effects/roulette"),),
+            hooks=(("survive", "roulette(launch, p, ledger, met);"),),
+            launch=(("roulette_floor", "double", "fraction of the launched weight"),),
+        )
+
+    def assemble(self, draft: Draft) -> None:
+        """Add the floor."""
+        draft.launch["roulette_floor"] = draft.settings.roulette_floor

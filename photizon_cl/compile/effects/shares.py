@@ -1,0 +1,33 @@
+"""Sources whose rays weigh differently."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from photizon_cl.compile.effects.base import Effect
+from photizon_cl.compile.rays import ray_weights, share_rays
+
+if TYPE_CHECKING:
+    from photizon_cl.compile.draft import Draft
+    from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.settings import RunSettings
+
+
+class Shares(Effect):
+    """Rays are divided among sources otherwise than by flux."""
+
+    name: ClassVar[str] = "shares"
+    what: ClassVar[str] = "rays divided other than by flux, or among several sources"
+    costs: ClassVar[str] = "a choice of source and a launched weight a ray"
+
+    def needed(self, scene: Scene, settings: RunSettings) -> str | None:
+        """Where the sources' rays do not all weigh the same."""
+        _, weights = ray_weights(scene, share_rays(scene, settings.rays_per_batch))
+        if all(w == 1.0 for w in weights):
+            return None
+        least = min(zip(weights, scene.source, strict=True), key=lambda pair: pair[0])
+        return f'a ray of "{least[1].name}" weighs {least[0]:.3g} of the heaviest'
+
+    def prepare(self, draft: Draft, *, forced: bool) -> None:
+        """Have rays remember their launched weight where it matters."""
+        draft.weights_differ = True
