@@ -10,7 +10,7 @@ from oracles.engine import with_tree
 
 import photizon_cl as pz
 from benchmarks.random_scenes import AXES, filled_scene, tiled_scene
-from hostcode.program import program, templates
+from hostcode.program import build, source, templates
 from hostcode.run.probe import probe_rays
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.tree_nodes import TREE_NODE, pack_nodes, unpack_nodes
@@ -166,6 +166,6 @@ def test_boxes_have_room_for_the_rounding_of_rays_at_edges(device, monkeypatch):
         text = render(name, **context)
         return text.replace("* 0x1p-42;", "* 0.0;") if "acceleration" in name else text
 
-    monkeypatch.setattr(program, "render", tight)
-    monkeypatch.setattr(program, "_CACHE", {})
+    monkeypatch.setattr(source, "render", tight)
+    monkeypatch.setattr(build, "_CACHE", {})
     assert differing(device) > 0

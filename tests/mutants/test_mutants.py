@@ -13,7 +13,7 @@ import pytest
 from oracles import chance, gates, kernels
 from oracles.scenes import matt
 
-from hostcode.program import program, templates
+from hostcode.program import build, templates
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -355,7 +355,7 @@ def engine(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[Mutant], None]
             return whole(name, text)
 
         monkeypatch.setattr(templates, "_with_line_directives", changed)
-        monkeypatch.setattr(program, "_CACHE", {})
+        monkeypatch.setattr(build, "_CACHE", {})
         _clear()
 
     yield break_it
