@@ -264,7 +264,7 @@ def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Pat
 def _size(scene: Scene) -> float:
     """Return the diagonal in metres of a box around everything, 1 for a point alone."""
     boxes = [(np.array(e.position), e.reach) for e in scene.element]
-    boxes += [(np.array(s.position), max(s.packed(), default=0.0)) for s in scene.source]
+    boxes += [(np.array(s.position), s.reach) for s in scene.source]
     low = np.min([at - reach for at, reach in boxes], axis=0)
     high = np.max([at + reach for at, reach in boxes], axis=0)
     return float(np.linalg.norm(high - low)) or 1.0

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from photizon_cl.scene.edges import even_edges
 from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.faces import Plane
 from photizon_cl.scene.frames import axis_index
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from photizon_cl.scene.faces import Face, Outline
     from photizon_cl.scene.frames import Vec3
 
 _ROUNDOFF: Final = 2.0**-53
@@ -28,8 +30,23 @@ class Flat(Element):
 
     @property
     @abstractmethod
+    def outline(self) -> Outline:
+        """What bounds it in its plane."""
+
+    @property
+    def hole(self) -> Outline | None:
+        """What is cut out of it around the centre."""
+        return None
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """Its face, of which both sides are meant."""
+        return (Plane(name="face", outline=self.outline, hole=self.hole),)
+
+    @property
     def half_sizes(self) -> tuple[float, float]:
         """Half extents along u and v in metres."""
+        return self.outline.half_sizes
 
     @property
     def class_axis(self) -> int | None:
@@ -88,8 +105,3 @@ class Flat(Element):
             aside, 4.0 * _ROUNDOFF * plane,
             outer_minus_u, outer_minus_v, inner_minus_u, inner_minus_v,
         )  # fmt: skip
-
-    def map_edges(self, nx: int, ny: int) -> tuple[list[float], list[float]]:
-        """Return edges in metres along u and along v over the bounding rectangle."""
-        u, v = self.half_sizes
-        return even_edges(-u, u, nx), even_edges(-v, v, ny)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
 
 from photizon_cl.scene.described import Described
 from photizon_cl.scene.frames import Frame, Vec3, frame
@@ -17,6 +19,11 @@ from photizon_cl.scene.parameters import (
     tilt,
     unique_name,
 )
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from photizon_cl.scene.faces import Ball, Plane
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +58,28 @@ class Source(Described):
     def frame(self) -> Frame:
         """Rows (u, v, w) of the local frame in world coordinates."""
         return frame("+z")
+
+    @property
+    def face(self) -> Plane | Ball | None:
+        """What it shines from, around its position and in its frame; None for a point."""
+        return None
+
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around `position` that holds it."""
+        return 0.0 if self.face is None else self.face.reach
+
+    @property
+    def draws_position(self) -> bool:
+        """Whether its rays draw where they start, besides a direction."""
+        return self.face is not None
+
+    def outline(self) -> list[NDArray[np.float64]]:
+        """Return the lines that show its size, shape (k, 3), in metres; one point for a point."""
+        at = np.array(self.position)
+        if self.face is None:
+            return [at[np.newaxis]]
+        return [at + line for line in self.face.sketch(np.array(self.frame))]
 
     def packed(self) -> tuple[float, ...]:
         """Return the device parameters of the shape, in the order that the kernel names them."""

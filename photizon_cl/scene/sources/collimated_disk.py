@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from photizon_cl.scene.faces import Circular, Plane
 from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.sources.base import DirectedSource, disk_area
 
@@ -25,6 +26,11 @@ class CollimatedDisk(DirectedSource):
     kernel: ClassVar[str] = "collimated_disk"
 
     radius: float = field(metadata=positive_length("radius"))
+
+    @property
+    def face(self) -> Plane:
+        """The disk that its rays start on."""
+        return Plane(name="face", outline=Circular(self.radius))
 
     def packed(self) -> tuple[float, ...]:
         """Return ``(radius,)``."""

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from photizon_cl.scene.faces import Circular, Plane
 from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.sources.base import DirectedSource, disk_area
 
@@ -26,6 +27,11 @@ class LambertianDisk(DirectedSource):
     kernel: ClassVar[str] = "lambertian_disk"
 
     radius: float = field(metadata=positive_length("radius"))
+
+    @property
+    def face(self) -> Plane:
+        """The disk."""
+        return Plane(name="face", outline=Circular(self.radius))
 
     def packed(self) -> tuple[float, ...]:
         """Return ``(radius,)``."""

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.sources.base import Source
 
@@ -27,6 +28,11 @@ class LambertianSphere(Source):
     kernel: ClassVar[str] = "lambertian_sphere"
 
     radius: float = field(metadata=positive_length("radius"))
+
+    @property
+    def face(self) -> Ball:
+        """The shell."""
+        return Ball(name="shell", radius=self.radius)
 
     def packed(self) -> tuple[float, ...]:
         """Return ``(radius,)``."""

@@ -17,3 +17,6 @@ class Absorber(Surface):
 
     kind: ClassVar[str] = "absorber"
     kernel: ClassVar[str] = "absorber"
+    absorbs: ClassVar[bool] = True
+    carries_detector: ClassVar[bool] = True
+    label_text: ClassVar[str] = "absorber"

@@ -25,6 +25,11 @@ class Lambertian(Surface):
 
     kind: ClassVar[str] = "lambertian"
     kernel: ClassVar[str] = "lambertian"
+    absorbs: ClassVar[bool] = True
+    reflects: ClassVar[bool] = True
+    draws: ClassVar[bool] = True
+    colour: ClassVar[str] = "#cc79a7"
+    label_text: ClassVar[str] = "diffuse reflector"
 
     reflectance: float = field(
         metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
@@ -33,6 +38,11 @@ class Lambertian(Surface):
     def packed(self) -> tuple[float, ...]:
         """Return ``(reflectance,)``."""
         return (self.reflectance,)
+
+    @property
+    def diffuse_reflectance(self) -> float:
+        """ρ: all that is reflected is diffuse."""
+        return self.reflectance
 
     @property
     def absorptance(self) -> float:

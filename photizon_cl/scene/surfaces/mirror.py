@@ -24,6 +24,10 @@ class Mirror(Surface):
 
     kind: ClassVar[str] = "mirror"
     kernel: ClassVar[str] = "mirror"
+    absorbs: ClassVar[bool] = True
+    reflects: ClassVar[bool] = True
+    colour: ClassVar[str] = "#0072b2"
+    label_text: ClassVar[str] = "mirror"
 
     reflectance: float = field(
         metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
