@@ -6,14 +6,15 @@ import math
 from typing import TYPE_CHECKING
 
 from photizon_cl.checks.flush import flush_elements
-from photizon_cl.scene.elements import Element, Sphere
+from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
-from photizon_cl.scene.sources import LambertianSphere, Source
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.sources import Source
 
 _CAPPED = 1e-6  # expected depth-capped part of the flux that is worth a word
 _SPLITTING_CAP = 24  # generations after which 2^n children are too many to follow
@@ -25,8 +26,8 @@ def advisories(scene: Scene) -> list[str]:
     found += _sources_on_faces(scene)
     found += _covered_elements(scene)
     found += _blind_detectors(scene)
-    found += _capped_spheres(scene)
-    found += _fresnel_surfaces(scene)
+    found += _capped_cavities(scene)
+    found += _surfaces(scene)
     return found
 
 
@@ -44,41 +45,37 @@ def _sources_on_faces(scene: Scene) -> Iterator[str]:
 def _lies_on(source: Source, element: Element) -> bool:
     slack = element.rounding(source.position)
     local = element.local(source.position)
-    radius = _radius(source)
-    if isinstance(source, LambertianSphere):
+    shines = source.face
+    if isinstance(shines, Ball):
+        wall = element.sole_face
         same_centre = math.hypot(*local) <= slack
-        return isinstance(element, Sphere) and same_centre and math.isclose(radius, element.radius)
+        return isinstance(wall, Ball) and same_centre and math.isclose(shines.radius, wall.radius)
     reach = 0.0
-    if radius and element.flat:
+    if shines is not None and element.flat:
         # A disk in the plane of a flat element may overlap it although its centre lies outside.
         along = to_local(element.frame, source.frame[2])
-        reach = radius if abs(along[2]) >= 1.0 - 1e-15 else 0.0
+        reach = source.reach if abs(along[2]) >= 1.0 - 1e-15 else 0.0
     return element.touches(local, slack, reach)
 
 
 def _covered_elements(scene: Scene) -> Iterator[str]:
     first: dict[tuple[object, ...], str] = {}
     for element in scene.element:
-        shape = (
-            element.kind,
-            element.position,
-            element.frame,
-            tuple(element.packed(element.position, None).values()),
-        )
+        shape = (element.position, element.frame, element.faces)
         if shape in first:
             yield (
                 f'element "{element.name}" has the very geometry of "{first[shape]}", which is '
                 f'named first and takes every hit: "{element.name}" is never hit'
             )
-        elif not element.surface.splits:  # what goes through meets the other
+        elif not element.surface.transmits:  # what goes through meets the other
             first[shape] = element.name
     yield from flush_elements(scene)
 
 
 def _blind_detectors(scene: Scene) -> Iterator[str]:
     """Find detectors that no light can reach on the side that they face."""
-    if any(element.surface.kind != "absorber" for element in scene.element):
-        return  # it may be lit by reflection (an element with a detector is an absorber itself)
+    if any(element.surface.reflects for element in scene.element):
+        return  # it may be lit by reflection
     for element in scene.element:
         if element.detector is None:
             continue
@@ -91,53 +88,41 @@ def _blind_detectors(scene: Scene) -> Iterator[str]:
 
 
 def _is_behind(element: Element, source: Source) -> bool:
-    local, radius = element.local(source.position), _radius(source)
-    if element.flat:
-        return local[2] + radius <= 0.0
-    if not isinstance(element, Sphere) or element.port_fraction > 0.0:
-        return False
-    centre = math.hypot(*local)
-    if element.detector_side == "inside":
-        return centre - radius > element.radius
-    return centre + radius < element.radius
+    face, plus = element.sole_face, element.detector_side in ("front", "outside")
+    return face is not None and face.hidden(element.local(source.position), source.reach, plus=plus)
 
 
-def _capped_spheres(scene: Scene) -> Iterator[str]:
-    for sphere in scene.element:
-        if not isinstance(sphere, Sphere) or sphere.surface.kind != "lambertian":
+def _capped_cavities(scene: Scene) -> Iterator[str]:
+    for element in scene.element:
+        wall, again = element.sole_face, element.self_view_factor
+        reflectance = element.surface.diffuse_reflectance
+        if not isinstance(wall, Ball) or again is None or reflectance is None:
             continue
-        inside = any(math.hypot(*sphere.local(s.position)) < sphere.radius for s in scene.source)
-        kept = sphere.surface.packed()["reflectance"] * (1.0 - sphere.port_fraction)
+        inside = any(wall.holds(element.local(s.position)) for s in scene.source)
+        kept = reflectance * again
         left = kept**scene.run.generation_cap
         if inside and left > _CAPPED:
             advice = "; it never decays, so open a port or lower the reflectance"
             if kept < 1.0:
                 advice = f"; a cap of {math.ceil(math.log(1e-12) / math.log(kept))} leaves 1e-12"
             yield (
-                f'in sphere "{sphere.name}" about {left:.1e} of the flux is still alive at the '
-                f"generation cap of {scene.run.generation_cap} and goes to the depth-capped row"
-                + advice
+                f'in {element.kind} "{element.name}" about {left:.1e} of the flux is still alive '
+                f"at the generation cap of {scene.run.generation_cap} and goes to the depth-capped "
+                "row" + advice
             )
 
 
-def _fresnel_surfaces(scene: Scene) -> Iterator[str]:
-    reflectors = [e.name for e in scene.element if e.surface.kind in ("mirror", "lambertian")]
-    lenses = [e for e in scene.element if e.surface.kind == "fresnel"]
-    for element in lenses:
-        packed = element.surface.packed()
-        if packed["ratio_plus"] == packed["ratio_minus"]:
-            yield (
-                f'element "{element.name}" has the same index on both sides: '
-                "it reflects nothing and bends nothing"
-            )
+def _surfaces(scene: Scene) -> Iterator[str]:
+    for element in scene.element:
+        for text in element.surface.advice():
+            yield f'element "{element.name}" {text}'
+    splitters = [e.name for e in scene.element if e.surface.splits]
+    reflectors = [e.name for e in scene.element if e.surface.reflects and not e.surface.transmits]
     run = scene.run
-    if lenses and reflectors and run.roulette_floor == 0.0 and run.generation_cap > _SPLITTING_CAP:
+    growing = run.roulette_floor == 0.0 and run.generation_cap > _SPLITTING_CAP
+    if splitters and reflectors and growing:
         yield (
-            f'every hit on "{lenses[0].name}" splits a ray in two and "{reflectors[0]}" can send '
+            f'every hit on "{splitters[0]}" splits a ray in two and "{reflectors[0]}" can send '
             f"both back: with a generation cap of {run.generation_cap} and no roulette the number "
             "of children may grow without practical bound; set roulette_floor, for example 1e-6"
         )
-
-
-def _radius(source: Source) -> float:
-    return source.reach

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.elements import BaffledTube, Sphere
+from photizon_cl.geometry.planes import PlaneFaces, dot
+from photizon_cl.scene.faces import Ball
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,6 +35,8 @@ _SLOTS: Final = (8, 16, 24)
 More than a scene can need changes nothing and costs it time: 4 and 10 % for 16 and 24 faces where
 it needs 8, in packets of 16 lanes.
 """
+_PARALLEL: Final = 2.0**-40
+"""Less than 1 by no more than this is the cosine between parallel planes."""
 _SHORT: Final = 2047
 """Up to this many elements a face has 16 bits in what a ray remembers, else 32."""
 
@@ -51,21 +54,56 @@ def in_contact(near: Neighbours, sources: Sequence[Source] = ()) -> bool:
         return True
     if not elements:
         return False
-    things = np.array([corner for e in elements for corner in _corners(e)])
-    around = [_around(s.position, s.reach) for s in sources]
-    points = np.concatenate([things, *around])
+    bodies = [_Body(e) for e in elements]
+    points = np.concatenate(
+        [*(body.corners for body in bodies), *(_around(s.position, s.reach) for s in sources)]
+    )
     if any(
-        _beside_tube(e, points, float(room))
-        for e, room in zip(elements, rooms, strict=True)
-        if isinstance(e, BaffledTube)
+        _beside_own_edges(body, points, float(room))
+        for body, room in zip(bodies, rooms, strict=True)
     ):
         return True
     for first, second in near.pairs():
         for i, j in zip(first.tolist(), second.tolist(), strict=True):
-            a, b, room = elements[i], elements[j], float(max(rooms[i], rooms[j]))
+            a, b, room = bodies[i], bodies[j], float(max(rooms[i], rooms[j]))
             if i < j and (_touch(a, b, room) or _seen_from_outside(a, b, points, room)):
                 return True
     return False
+
+
+class _Body:
+    """An element and what its faces are in the world.
+
+    element : Element
+    corners : ndarray, shape (8, 3), float64
+        Of the box around it in its own frame, in metres.
+    normals, origins : ndarray, shape (faces, 3), float64
+        Of its faces, where all of them are planes; else empty.
+    ball : Ball or None
+        Its face, where that is one (or a zone of one), and its centre in metres.
+    """
+
+    def __init__(self, element: Element) -> None:
+        self.element = element
+        local = np.array(list(product(*zip(*element.local_box, strict=True))))
+        self.corners = np.array([element.position + c @ np.array(element.frame) for c in local])
+        planes = PlaneFaces([element])
+        self.normals, self.origins = planes.frames[:, 2], planes.centres
+        face = element.sole_face
+        self.ball = face if isinstance(face, Ball) else None
+        rise = self.ball.height if self.ball else 0.0
+        self.centre = np.array(element.position) + rise * np.array(element.frame[2])
+
+    @property
+    def flat(self) -> bool:
+        """Whether it is a part of one plane."""
+        return len(self.normals) == 1
+
+    def heights(self, other: _Body) -> tuple[float, float]:
+        """Lowest and highest corner of another body over the plane of a flat one, in metres."""
+        normal, origin = self.normals[0], self.origins[0]
+        heights = [float(np.dot(normal, c - origin)) for c in other.corners]
+        return min(heights), max(heights)
 
 
 def _around(position: Sequence[float], radius: float) -> NDArray[np.float64]:
@@ -73,23 +111,32 @@ def _around(position: Sequence[float], radius: float) -> NDArray[np.float64]:
     return np.array(position) + radius * signs
 
 
-def _beside_tube(tube: BaffledTube, points: NDArray[np.float64], room: float) -> bool:
-    """Say whether any point is beside a tube, where its long edges are outer ones."""
-    u, v, _ = np.array(tube.frame)
-    offsets = points - np.array(tube.position)
-    reach = np.maximum(np.abs(offsets @ u), np.abs(offsets @ v))
-    return bool((reach > tube.half_width + room).any())
+def _beside_own_edges(body: _Body, points: NDArray[np.float64], room: float) -> bool:
+    """Say whether any point sees edges between plane faces of one element from their outside.
+
+    Those are edges of faces of which it is all on one side, as the walls of a tube are.
+    """
+    normals = body.normals
+    if len(normals) < 2 or (np.abs(normals @ normals[0]) > 1.0 - _PARALLEL).all():
+        return False
+    own = body.corners @ normals.T - dot(body.origins, normals)
+    low, high = own.min(axis=0), own.max(axis=0)
+    outer = (low >= -room) | (high <= room)
+    sides = np.where(high > -low, 1.0, -1.0)
+    return any(
+        (sides[n] * ((points - body.origins[n]) @ normals[n]) < -room).any()
+        for n in np.flatnonzero(outer)
+    )
 
 
-def _seen_from_outside(a: Element, b: Element, points: NDArray[np.float64], room: float) -> bool:
+def _seen_from_outside(a: _Body, b: _Body, points: NDArray[np.float64], room: float) -> bool:
     """Say whether any point is outside the angle between two flat elements that share an edge."""
     if not (a.flat and b.flat):
         return False
     for flat, other in ((a, b), (b, a)):
-        normal, origin = np.array(flat.frame[2]), np.array(flat.position)
-        low, high = _heights(flat, other)
+        low, high = flat.heights(other)
         side = 1.0 if high > -low else -1.0
-        if (side * ((points - origin) @ normal) < -room).any():
+        if (side * ((points - flat.origins[0]) @ flat.normals[0]) < -room).any():
             return True
     return False
 
@@ -112,37 +159,22 @@ def _slots(near: Neighbours) -> int:
     return next((n for n in _SLOTS if own[faces > n].sum() <= n), _SLOTS[-1])
 
 
-def _touch(a: Element, b: Element, room: float) -> bool:
+def _touch(a: _Body, b: _Body, room: float) -> bool:
     if a.flat and b.flat:
-        low_a, high_a = _heights(a, b)
-        low_b, high_b = _heights(b, a)
+        low_a, high_a = a.heights(b)
+        low_b, high_b = b.heights(a)
         flush = max(high_a, -low_a, high_b, -low_b) <= room
         across = (low_a < -room and high_a > room) or (low_b < -room and high_b > room)
         # each on one side of the other: they meet along an edge of both, unless they are flush
         return flush or across
-    if isinstance(a, Sphere) and isinstance(b, Sphere):
-        distance = math.dist(a.position, b.position)
-        return abs(a.radius - b.radius) - room <= distance <= a.radius + b.radius + room
-    if isinstance(a, Sphere) and b.flat:
+    if a.ball and b.ball:
+        distance = math.dist(a.centre, b.centre)
+        r, s = a.ball.radius, b.ball.radius
+        return abs(r - s) - room <= distance <= r + s + room
+    if a.ball and b.flat:
         a, b = b, a
-    if isinstance(b, Sphere) and a.flat:
-        offset = np.subtract(b.position, a.position)
-        apart = abs(float(np.dot(a.frame[2], offset)))
-        farthest = max(math.dist(corner, b.position) for corner in _corners(a))
-        return apart <= b.radius + room and farthest >= b.radius - room
+    if b.ball and a.flat:
+        apart = abs(float(np.dot(a.normals[0], b.centre - a.origins[0])))
+        farthest = max(math.dist(corner, b.centre) for corner in a.corners)
+        return apart <= b.ball.radius + room and farthest >= b.ball.radius - room
     return True
-
-
-def _corners(element: Element) -> list[tuple[float, float, float]]:
-    """Corners of the box around an element in its own frame, in world coordinates."""
-    frame = np.array(element.frame)
-    local = [np.array(c) for c in product(*zip(*element.local_box, strict=True))]
-    x = [element.position + c @ frame for c in local]
-    return [(float(p[0]), float(p[1]), float(p[2])) for p in x]
-
-
-def _heights(flat: Element, other: Element) -> tuple[float, float]:
-    """Lowest and highest corner of another element over the plane of a flat one, in metres."""
-    normal, origin = np.array(flat.frame[2]), np.array(flat.position)
-    heights = [float(np.dot(normal, np.array(c) - origin)) for c in _corners(other)]
-    return min(heights), max(heights)

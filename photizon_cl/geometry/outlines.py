@@ -8,23 +8,12 @@ Ports, holes and the open ends of tubes and concentrators stay open.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.elements import (
-    BaffledTube,
-    Biconvex,
-    Cpc,
-    Disk,
-    PlanoConvex,
-    Rectangle,
-    Sphere,
-)
-from photizon_cl.scene.elements.lens import centre_depth
-from photizon_cl.scene.frames import sincos_deg
+from photizon_cl.scene.faces import Plane, Revolved
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,22 +29,6 @@ __all__ = ["cut", "edges", "facets", "to_world"]
 
 _STEPS: Final = 400
 _TURN: Final = np.linspace(0.0, 2.0 * np.pi, 181)
-
-
-@dataclass(frozen=True)
-class _Face:
-    """A flat face: a convex polygon in local coordinates, perhaps with a hole in it."""
-
-    rim: Line
-    hole: Line | None = None
-
-
-@dataclass(frozen=True)
-class _Revolved:
-    """A surface of revolution about the local axis: its profile over s from 0 to 1."""
-
-    profile: Callable[[Line], tuple[Line, Line]]
-    """Radius and height, in metres."""
 
 
 def to_world(element: Element, local: Line) -> Line:
@@ -83,26 +56,24 @@ def cut(element: Element, axis: int, at: float) -> list[Line]:
     frame = np.array(element.frame)
     normal, offset = frame[:, axis], at - element.position[axis]
     lines: list[Line] = []
-    for part in _parts(element):
-        if isinstance(part, _Face):
-            lines += _cut_face(part, normal, offset)
+    for face in _faces(element):
+        if isinstance(face, Plane):
+            lines += _cut_plane(face, normal, offset)
         else:
-            lines += _cut_revolved(part, normal, offset)
+            lines += _cut_revolved(face, normal, offset)
     return [to_world(element, line) for line in lines]
 
 
 def edges(element: Element) -> list[Line]:
     """Return the curves that show an element's shape from anywhere: rims, edges, meridians."""
     lines: list[Line] = []
-    for part in _parts(element):
-        if isinstance(part, _Face):
-            lines.append(part.rim)
-            if part.hole is not None:
-                lines.append(part.hole)
+    for face in _faces(element):
+        if isinstance(face, Plane):
+            lines += _rims(face)
             continue
-        r, z = part.profile(np.linspace(0.0, 1.0, 91))
+        r, z = face.profile(np.linspace(0.0, 1.0, 91))
         ends = [k for k in (0, -1) if r[k] > 1e-9 * r.max()]
-        middle = [] if ends and not isinstance(element, Sphere) else [int(np.argmax(r))]
+        middle = [int(np.argmax(r))] if r.max() > max(r[0], r[-1]) else []  # where it bulges
         lines += [_circle(float(r[k]), float(z[k])) for k in (*ends, *middle)]
         for turn in np.arange(0.0, np.pi, np.pi / 4.0):
             for side in (turn, turn + np.pi):
@@ -113,11 +84,11 @@ def edges(element: Element) -> list[Line]:
 def facets(element: Element) -> list[Line]:
     """Return polygons that make up the surface, for filling it with a faint colour."""
     out: list[Line] = []
-    for part in _parts(element):
-        if isinstance(part, _Face):
-            out += [part.rim] if part.hole is None else _frame_of(part.rim, part.hole)
+    for face in _faces(element):
+        if isinstance(face, Plane):
+            out += _rims(face) if face.hole is None else _around_hole(face)
             continue
-        r, z = part.profile(np.linspace(0.0, 1.0, 17))
+        r, z = face.profile(np.linspace(0.0, 1.0, 17))
         turn = np.linspace(0.0, 2.0 * np.pi, 37)
         for k in range(len(r) - 1):
             for a, b in pairwise(turn):
@@ -130,34 +101,19 @@ def facets(element: Element) -> list[Line]:
 # -- shapes --------------------------------------------------------------------------------------
 
 
-def _parts(element: Element) -> list[_Face | _Revolved]:
-    """Return an element's faces in local coordinates, in metres."""
-    if isinstance(element, Rectangle):
-        return [_Face(_rectangle(element.half_width, element.half_height, 0.0))]
-    if isinstance(element, Disk):
-        return [_Face(_circle(element.radius, 0.0))]
-    if isinstance(element, Sphere):
-        opening = math.acos(element.cos_port)
-        return [_Revolved(_arc(element.radius, 0.0, opening, math.pi))]
-    if isinstance(element, Cpc):
-        return [_Revolved(_concentrator(element))]
-    if isinstance(element, BaffledTube):
-        return _tube(element)
-    if isinstance(element, PlanoConvex):
-        a = element.aperture_radius
-        return [_Revolved(_cap(element.curvature_radius, a, 1.0)), _Face(_circle(a, 0.0))]
-    if isinstance(element, Biconvex):
-        a = element.aperture_radius
-        return [
-            _Revolved(_cap(element.front_radius, a, 1.0)),
-            _Revolved(_cap(element.back_radius, a, -1.0)),
-        ]
-    raise NotImplementedError(f"no outline for a {element.kind}")
+def _faces(element: Element) -> list[Plane | Revolved]:
+    """Return the faces that can be seen, in local coordinates."""
+    return [
+        face
+        for face in element.faces
+        if isinstance(face, Revolved) or (isinstance(face, Plane) and not face.empty)
+    ]
 
 
-def _rectangle(half_u: float, half_v: float, w: float) -> Line:
-    corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)]
-    return np.array([(half_u * a, half_v * b, w) for a, b in corners])
+def _rims(face: Plane) -> list[Line]:
+    """Return the outline of a plane face and that of its hole, if any, as polylines."""
+    parts = [face.outline] if face.hole is None else [face.outline, face.hole]
+    return [face.points(part.rim()) for part in parts]
 
 
 def _circle(radius: float, w: float) -> Line:
@@ -166,68 +122,34 @@ def _circle(radius: float, w: float) -> Line:
     )
 
 
-def _arc(
-    radius: float, centre: float, first: float, last: float, sign: float = 1.0
-) -> Callable[[Line], tuple[Line, Line]]:
-    def profile(s: Line) -> tuple[Line, Line]:
-        theta = first + s * (last - first)
-        # sin π is not 0 in floating point; a radius is never negative
-        return np.abs(radius * np.sin(theta)), sign * (centre + radius * np.cos(theta))
-
-    return profile
-
-
-def _cap(radius: float, aperture: float, sign: float) -> Callable[[Line], tuple[Line, Line]]:
-    opening = math.atan2(aperture, centre_depth(radius, aperture))
-    return _arc(radius, -centre_depth(radius, aperture), 0.0, opening, sign)
-
-
-def _concentrator(element: Cpc) -> Callable[[Line], tuple[Line, Line]]:
-    """Return the meridian of a CPC, solved for the radius as in its class's description."""
-    a, (sine, cosine) = element.exit_radius, sincos_deg(element.acceptance_deg)
-    linear = 2.0 * (1.0 + sine) ** 2
-
-    def profile(s: Line) -> tuple[Line, Line]:
-        z = s * (element.length / a)
-        q = (1.0 + sine) * (3.0 + sine) + z * (2.0 * cosine * (2.0 + sine) - sine * sine * z)
-        p = 2.0 * cosine * sine * z + linear
-        return a * 2.0 * q / (p + np.sqrt(p * p + 4.0 * cosine * cosine * q)), s * element.length
-
-    return profile
-
-
-def _tube(element: BaffledTube) -> list[_Face | _Revolved]:
-    h, length = element.half_width, element.length
-    corners = _rectangle(h, h, 0.0)
-    out: list[_Face | _Revolved] = []
-    for a, b in pairwise(corners):
-        end = np.array([0.0, 0.0, length])
-        out.append(_Face(np.array([a, b, b + end, a + end, a])))
-    clear = element.clear_half_width or 0.0
-    for w in element.baffle_positions:
-        if clear < h:
-            hole = _rectangle(clear, clear, w) if clear > 0.0 else None
-            out.append(_Face(_rectangle(h, h, w), hole))
-    return out
-
-
-def _frame_of(rim: Line, hole: Line) -> list[Line]:
-    """Return the four quadrilaterals between a square and its square hole."""
-    return [np.array([rim[k], rim[k + 1], hole[k + 1], hole[k]]) for k in range(4)]
+def _around_hole(face: Plane) -> list[Line]:
+    """Return quadrilaterals between the outline of a plane face and its hole."""
+    assert face.hole is not None
+    rim, hole = face.outline.rim(), face.hole.rim()
+    if len(rim) != len(hole):  # a corner of either is a corner of a quadrilateral
+        corners = np.vstack([part.corners for part in (face.outline, face.hole)])
+        angles = np.arctan2(corners[:, 1], corners[:, 0]) % (2.0 * np.pi)
+        angles = np.unique(np.concatenate([_TURN, angles]))
+        rim, hole = face.outline.towards(angles), face.hole.towards(angles)
+    return [
+        face.points(np.array([rim[k], rim[k + 1], hole[k + 1], hole[k]]))
+        for k in range(len(rim) - 1)
+    ]
 
 
 # -- cutting -------------------------------------------------------------------------------------
 
 
-def _cut_face(face: _Face, normal: Line, offset: float) -> list[Line]:
-    heights = face.rim @ normal - offset
-    size = float(np.abs(face.rim).max())
+def _cut_plane(face: Plane, normal: Line, offset: float) -> list[Line]:
+    rim, *holes = _rims(face)
+    heights = rim @ normal - offset
+    size = float(np.abs(rim).max())
     if np.all(np.abs(heights) <= 1e-12 * size):  # drawing only: it lies in the plane
-        return [face.rim] if face.hole is None else [face.rim, face.hole]
-    chord = _chord(face.rim, heights)
+        return [rim, *holes]
+    chord = _chord(rim, heights)
     if chord is None:
         return []
-    gap = None if face.hole is None else _chord(face.hole, face.hole @ normal - offset)
+    gap = _chord(holes[0], holes[0] @ normal - offset) if holes else None
     if gap is None:
         return [chord]
     along = chord[1] - chord[0]
@@ -245,15 +167,15 @@ def _chord(polygon: Line, heights: Line) -> Line | None:
     return np.stack([found[0], found[-1]]) if len(found) >= 2 else None
 
 
-def _cut_revolved(part: _Revolved, normal: Line, offset: float) -> list[Line]:
+def _cut_revolved(face: Revolved, normal: Line, offset: float) -> list[Line]:
     """Cut circle by circle: on the one of radius r at height w the plane stands at φ0 ± β."""
     across = math.hypot(normal[0], normal[1])
     if across < 1e-12:  # the plane stands across the axis
-        return _cut_across(part, offset / float(normal[2]))
+        return _cut_across(face, offset / float(normal[2]))
     turn = math.atan2(normal[1], normal[0])
 
     def cosine(s: Line) -> Line:
-        r, w = part.profile(s)
+        r, w = face.profile(s)
         with np.errstate(divide="ignore", invalid="ignore"):
             c = (offset - normal[2] * w) / (r * across)
         # in the pole of a closed surface the plane that holds the axis has no angle of its own
@@ -271,13 +193,13 @@ def _cut_revolved(part: _Revolved, normal: Line, offset: float) -> list[Line]:
         if b <= _STEPS:
             places.append(_limit(cosine, s[b - 1], s[b]))
         at = np.array(places)
-        r, w = part.profile(at)
+        r, w = face.profile(at)
         beta = np.arccos(np.clip(cosine(at), -1.0, 1.0))
         halves = [
             np.stack([r * np.cos(turn + k * beta), r * np.sin(turn + k * beta), w], axis=1)
             for k in (1.0, -1.0)
         ]
-        point = 1e-12 * float(part.profile(s)[0].max())  # a pole, sin π included
+        point = 1e-12 * float(face.profile(s)[0].max())  # a pole, sin π included
         closed_first, closed_last = a > 0 or r[0] <= point, b <= _STEPS or r[-1] <= point
         if closed_first or not closed_last:
             if closed_first:  # from one open end over the closed one to the other
@@ -290,17 +212,17 @@ def _cut_revolved(part: _Revolved, normal: Line, offset: float) -> list[Line]:
     return lines
 
 
-def _cut_across(part: _Revolved, height: float) -> list[Line]:
+def _cut_across(face: Revolved, height: float) -> list[Line]:
     s = np.linspace(0.0, 1.0, _STEPS + 1)
-    _, w = part.profile(s)
+    _, w = face.profile(s)
     for a, b, wa, wb in zip(s, s[1:], w, w[1:], strict=False):
         if min(wa, wb) <= height <= max(wa, wb):
             low, high = (a, b) if wa <= wb else (b, a)
             for _ in range(60):
                 middle = 0.5 * (low + high)
-                below = part.profile(np.array([middle]))[1][0] < height
+                below = face.profile(np.array([middle]))[1][0] < height
                 low, high = (middle, high) if below else (low, middle)
-            radius = float(part.profile(np.array([high]))[0][0])
+            radius = float(face.profile(np.array([high]))[0][0])
             return [_circle(radius, height)] if radius > 0.0 else []
     return []
 

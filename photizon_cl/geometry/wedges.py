@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from photizon_cl.geometry.neighbours import Neighbours
-from photizon_cl.scene.elements import BaffledTube, Disk, Rectangle, Sphere
+from photizon_cl.geometry.planes import PlaneFaces, dot
+from photizon_cl.scene.faces import Circular, Plane, Rectangular, Revolved
+from photizon_cl.scene.frames import to_local
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,91 +45,102 @@ def edge_factors(near: Neighbours) -> NDArray[np.float64]:
     -------
     ndarray, shape (n, 4), float64
         For the edges at +u, −u, +v and −v: 1/sin of the smallest angle that a rectangle makes with
-        a plane face on which this edge lies, or a disk with the sphere on which its rim lies, if
-        that is more than 2; else 1.
+        a plane face on which this edge lies, or a disk with the surface of revolution on which its
+        rim lies, if that is more than 2; else 1.
     """
     elements = near.elements
     factors = np.ones((len(elements), 4))
-    plane = [n for n, e in enumerate(elements) if e.flat or isinstance(e, BaffledTube)]
-    disks = any(isinstance(elements[n], Disk) for n in plane)
-    balls = [n for n, e in enumerate(elements) if disks and isinstance(e, Sphere)]
+    kinds = _Kinds(elements)
     # plane faces along the axes meet at right angles
-    if balls or any(elements[n].tilt_deg != (0.0, 0.0) for n in plane):
+    if kinds.curved.any() or kinds.tilted[kinds.plane].any():
+        meant = np.flatnonzero(kinds.plane | kinds.curved).tolist()
+        if len({elements[n].position for n in meant}) == len(meant):
+            return _factors(near, kinds)
         # coincident elements have the same edges: the first stands for all
         first: dict[Any, int] = {}
         stands_for = {}
-        for n in plane + balls:
+        for n in meant:
             e = elements[n]
-            stands_for[n] = first.setdefault((e.kind, e.position, e.frame, e.local_box), n)
+            stands_for[n] = first.setdefault((e.position, e.frame, e.faces), n)
         asked = list(first.values())
         if len(asked) < len(stands_for):
-            factors[asked] = _factors(Neighbours([elements[n] for n in asked]))
+            some = [elements[n] for n in asked]
+            factors[asked] = _factors(Neighbours(some), _Kinds(some))
         else:
-            factors = _factors(near)
+            factors = _factors(near, kinds)
         factors[list(stands_for)] = factors[list(stands_for.values())]
     return factors
 
 
-def _factors(near: Neighbours) -> NDArray[np.float64]:
+class _Kinds:
+    """What the faces of elements are, as arrays of shape (n,), bool.
+
+    plane
+        All of them are planes.
+    sides, rims
+        One plane in a rectangle; one in a circle.
+    curved
+        One surface of revolution, where there are rims that may lie on it.
+    tilted
+        Their frame is no permutation of the axes.
+    """
+
+    def __init__(self, elements: Sequence[Element]) -> None:
+        sole = [e.sole_face for e in elements]
+        outlines = [face.outline if isinstance(face, Plane) else None for face in sole]
+        self.sides = np.array([isinstance(o, Rectangular) for o in outlines], bool)
+        self.rims = np.array([isinstance(o, Circular) for o in outlines], bool)
+        curved = np.array([isinstance(face, Revolved) for face in sole], bool)
+        self.curved = curved & self.rims.any()
+        self.tilted = np.array([e.tilt_deg != (0.0, 0.0) for e in elements], bool)
+        many = [
+            face is None and all(isinstance(f, Plane) for f in e.faces)
+            for face, e in zip(sole, elements, strict=True)
+        ]
+        self.plane = self.sides | self.rims | np.array(many, bool)
+
+
+def _factors(near: Neighbours, kinds: _Kinds) -> NDArray[np.float64]:
     elements, rooms = near.elements, near.rooms
     factors = np.ones((len(elements), 4))
-    tilted = np.array([e.tilt_deg != (0.0, 0.0) for e in elements])
-    sides = np.array([isinstance(e, Rectangle) for e in elements])
-    rims = np.array([isinstance(e, Disk) for e in elements])
-    balls = np.array([isinstance(e, Sphere) for e in elements])
-    plane = np.array([e.flat or isinstance(e, BaffledTube) for e in elements])
-    faces = _Faces(elements)
+    faces = PlaneFaces(elements)
     for first, second in near.pairs():
-        angle = sides[first] & plane[second] & (tilted[first] | tilted[second])
+        tilted = kinds.tilted[first] | kinds.tilted[second]
+        angle = kinds.sides[first] & kinds.plane[second] & tilted
         _sharpen(factors, faces, first[angle], second[angle], rooms)
-        on_ball = rims[first] & balls[second]
-        for i, j in zip(first[on_ball].tolist(), second[on_ball].tolist(), strict=True):
+        on_curved = kinds.rims[first] & kinds.curved[second]
+        for i, j in zip(first[on_curved].tolist(), second[on_curved].tolist(), strict=True):
             room = float(max(rooms[i], rooms[j]))
-            sine = _rim_on_ball(elements[i], elements[j], room)
+            sine = _rim_on(elements[i], elements[j], faces, int(faces.begin[i]), room)
             factors[i] = np.maximum(factors[i], 1.0 / sine)
     factors[factors < 1.0 / _SHARP] = 1.0
     return factors
 
 
-def _rim_on_ball(disk: Element, ball: Element, room: float) -> float:
-    """Return the sine of the angle of a disk with the sphere on which its rim lies, else 1."""
-    assert isinstance(disk, Disk)
-    assert isinstance(ball, Sphere)
-    offset, normal = np.subtract(disk.position, ball.position), np.array(disk.frame[2])
-    height = float(offset @ normal)
-    aside = float(np.linalg.norm(offset - height * normal))
-    sine = disk.radius / ball.radius
-    on = aside <= room and abs(float(np.hypot(height, disk.radius)) - ball.radius) <= room
-    return min(sine, 1.0) if on else 1.0
+def _rim_on(disk: Element, other: Element, faces: PlaneFaces, at: int, room: float) -> float:
+    """Return the sine of the angle of a disk with the surface on which its rim lies, else 1."""
+    plane, curved = disk.sole_face, other.sole_face
+    assert isinstance(plane, Plane)
+    assert isinstance(curved, Revolved)
+    centre, normal = (tuple(v[at].tolist()) for v in (faces.centres, faces.frames[:, 2]))
+    found = curved.rim_sine(
+        other.local(centre), to_local(other.frame, normal), plane.outline.rounding, room
+    )
+    return 1.0 if found is None else found
 
 
 # -- plane faces ---------------------------------------------------------------------------------
 
 
-class _Faces:
-    """The plane faces of elements, one after the other.
-
-    begin : ndarray, shape (n + 1,), int64
-        Where each element's begin.
-    table : ndarray, shape (faces, 14), float64
-        Centre, frame (u, v, normal), half sizes along u and v.
-    """
-
-    def __init__(self, elements: Sequence[Element]) -> None:
-        faces = [_faces(e) for e in elements]
-        self.begin = np.cumsum([0, *map(len, faces)])
-        self.table = np.array([face for group in faces for face in group]).reshape(-1, 14)
-
-
 def _sharpen(
     factors: NDArray[np.float64],
-    faces: _Faces,
+    faces: PlaneFaces,
     first: NDArray[np.int64],
     second: NDArray[np.int64],
     rooms: NDArray[np.float64],
 ) -> None:
     """Raise the factors of rectangles `first` by the angles they make with faces of `second`."""
-    begin, table = faces.begin, faces.table
+    begin = faces.begin
     many = begin[second + 1] - begin[second]
     one = np.repeat(first, many)
     within = np.arange(len(one)) - np.repeat(np.cumsum(many) - many, many)
@@ -135,48 +148,28 @@ def _sharpen(
     room = np.repeat(np.maximum(rooms[first], rooms[second]), many)
     for start in range(0, len(one), _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
-        sine = _sharpest(table[begin[one[part]]], table[other[part]], room[part])
+        sine = _sharpest(faces, begin[one[part]], other[part], room[part])
         np.maximum.at(factors, one[part], 1.0 / sine)
 
 
-def _faces(element: Element) -> list[list[float]]:
-    """Return an element's plane faces, as the rows of `_Faces`."""
-    found: list[tuple[Any, Any, tuple[float, float]]] = []
-    if isinstance(element, BaffledTube):
-        (u, v, w), position = np.array(element.frame), np.array(element.position)
-        h, middle = element.half_width, 0.5 * element.length
-        found += [
-            (sign * h * n + middle * w + position, (t, w, n), (h, middle))
-            for n, t in ((u, v), (v, u))
-            for sign in (1.0, -1.0)
-        ]
-        found += [(z * w + position, (u, v, w), (h, h)) for z in element.baffle_positions]
-    elif isinstance(element, Rectangle):
-        found.append((element.position, element.frame, element.half_sizes))
-    elif isinstance(element, Disk):
-        found.append((element.position, element.frame, (element.radius, element.radius)))
-    return [[*c, *(x for row in f for x in row), *half] for c, f, half in found]
-
-
 def _sharpest(
-    a: NDArray[np.float64], b: NDArray[np.float64], room: NDArray[np.float64]
+    faces: PlaneFaces,
+    one: NDArray[np.int64],
+    other: NDArray[np.int64],
+    room: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Return the sines of the angles at which the edges of rectangles end on faces, else 1."""
-    centre, half = a[:, :3], a[:, 12:14]
-    normal = b[:, 9:12]
-    sine = np.ones((len(a), 4))
+    centre, half = faces.centres[one], faces.halves[one]
+    normal, origin = faces.frames[other, 2], faces.centres[other]
+    sine = np.ones((len(one), 4))
     for along, across in ((0, 1), (1, 0)):
-        e, f = a[:, 3 + 3 * along : 6 + 3 * along], a[:, 3 + 3 * across : 6 + 3 * across]
+        e, f = faces.frames[one, along], faces.frames[one, across]
         for k, sign in enumerate((1.0, -1.0)):
-            edge = centre + sign * half[:, along, None] * e - b[:, :3]
-            height = _dot(edge, normal)
-            slope = half[:, across] * np.abs(_dot(f, normal))
-            rise = np.abs(_dot(e, normal))
+            edge = centre + sign * half[:, along, None] * e - origin
+            height = dot(edge, normal)
+            slope = half[:, across] * np.abs(dot(f, normal))
+            rise = np.abs(dot(e, normal))
             # the edge lies in the face's plane, and not the whole rectangle
             ends = (np.abs(height) + slope <= room) & (2.0 * half[:, along] * rise > room)
             sine[ends, 2 * along + k] = rise[ends]
     return sine
-
-
-def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray((a * b).sum(axis=1))

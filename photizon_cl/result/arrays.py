@@ -121,22 +121,12 @@ def _axis(
     return name
 
 
-_AXIS_TEXT: Final = {
-    "u": "local u",
-    "v": "local v",
-    "phi": "azimuth about the axis, from u towards v",
-    "cos_theta": "cosine of the angle from the axis",
-}
-
-
 def _map(
     at: str, about: dict[str, str], m: IrradianceMap, variables: Variables, coordinates: Variables
 ) -> None:
-    y = _axis(
-        f"{at}.{m.y_name}", m.y_edges, m.y_units, _AXIS_TEXT[m.y_name], variables, coordinates
-    )
-    x = _axis(
-        f"{at}.{m.x_name}", m.x_edges, m.x_units, _AXIS_TEXT[m.x_name], variables, coordinates
+    y, x = (
+        _axis(f"{at}.{axis.name}", axis.edges, axis.units, axis.text, variables, coordinates)
+        for axis in (m.bins.y.axis, m.bins.x.axis)
     )
     dims = (y, x)
     text = "irradiance, power over the exact area of the bin; NaN where it has none"

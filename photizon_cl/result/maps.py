@@ -7,11 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from photizon_cl.geometry.areas import bin_areas
 from photizon_cl.result.ledger import Estimate, watts
 from photizon_cl.result.statistics import LIT_COUNT
-from photizon_cl.scene.elements import Sphere
-from photizon_cl.scene.elements.flat import Flat
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,7 +16,7 @@ if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.compile.layout import DetectorCells
     from photizon_cl.result.statistics import Accumulator
-    from photizon_cl.scene.elements import Element
+    from photizon_cl.scene.bins import MapBins
     from photizon_cl.scene.settings import FarField
 
 __all__ = ["DetectorResult", "FarFieldResult", "IrradianceMap", "Rung"]
@@ -68,24 +65,45 @@ class IrradianceMap:
         Arrivals.
     area : ndarray, shape (ny, nx), float64
         m²; 0 where the bin lies wholly outside a disk or in a sphere's port.
-    x_edges, y_edges : ndarray, shapes (nx + 1,) and (ny + 1,)
-        Edges of the bins: u and v in metres, or φ in radians and cos θ.
-    x_name, y_name : str
-        ``u`` and ``v``, or ``phi`` and ``cos_theta``.
-    x_units, y_units : str
-        ``m``, ``rad`` or ``1``.
+    bins : MapBins
+        What the bins are.
     """
 
     irradiance: NDArray[np.float64]
     sigma: NDArray[np.float64]
     count: NDArray[np.int64]
     area: NDArray[np.float64]
-    x_edges: NDArray[np.float64]
-    y_edges: NDArray[np.float64]
-    x_name: str
-    y_name: str
-    x_units: str
-    y_units: str
+    bins: MapBins
+
+    @property
+    def x_edges(self) -> NDArray[np.float64]:
+        """Edges of the columns, shape (nx + 1,): u in metres, or φ in radians."""
+        return self.bins.x.axis.edges
+
+    @property
+    def y_edges(self) -> NDArray[np.float64]:
+        """Edges of the rows, shape (ny + 1,): v in metres, or cos θ."""
+        return self.bins.y.axis.edges
+
+    @property
+    def x_name(self) -> str:
+        """What the columns run in, ``u`` or ``phi``."""
+        return self.bins.x.axis.name
+
+    @property
+    def y_name(self) -> str:
+        """What the rows run in, ``v`` or ``cos_theta``."""
+        return self.bins.y.axis.name
+
+    @property
+    def x_units(self) -> str:
+        """Unit of the columns' edges: ``m``, ``rad`` or ``1``."""
+        return self.bins.x.axis.units
+
+    @property
+    def y_units(self) -> str:
+        """Unit of the rows' edges: ``m``, ``rad`` or ``1``."""
+        return self.bins.y.axis.units
 
     @property
     def masked(self) -> NDArray[np.bool_]:
@@ -118,7 +136,8 @@ class IrradianceMap:
         element = compiled.scene.element[d.element]
         shape = (d.ny, d.nx)
         n = d.nx * d.ny
-        area = bin_areas(element, d.nx, d.ny)
+        bins = element.map_bins(d.nx, d.ny)
+        area = bins.areas
         here = np.where(area == 0.0, np.nan, area)
         power = tally.mean(d.map, n).reshape(shape) * compiled.unit_power
         error = tally.standard_error(d.map, n).reshape(shape) * compiled.unit_power
@@ -127,19 +146,8 @@ class IrradianceMap:
             error / here,
             tally.count[d.map : d.map + n].reshape(shape).copy(),
             area,
-            *_axes(element, d.nx, d.ny),
+            bins,
         )
-
-
-def _axes(
-    element: Element, nx: int, ny: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], str, str, str, str]:
-    i, j = np.arange(nx + 1), np.arange(ny + 1)
-    if isinstance(element, Sphere):
-        return 2.0 * np.pi * i / nx, (2 * j - ny) / ny, "phi", "cos_theta", "rad", "1"
-    assert isinstance(element, Flat)
-    u, v = element.half_sizes
-    return u * ((2 * i - nx) / nx), v * ((2 * j - ny) / ny), "u", "v", "m", "m"
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hostcode.device.device import DeviceRecord, preferred_lanes
-from hostcode.run.probe import probe_rays
+from hostcode.run.probe import element_of, face_of, probe_faces
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ArgumentError
 from photizon_cl.run.distribution import device_failures, open_chosen
@@ -39,12 +39,16 @@ class ProbeResult:
         Where, in metres, put back onto the surface; NaN on a miss.
     normal : ndarray, shape (n, 3), float64
         Outward unit normal there, whatever side the ray comes from; NaN on a miss.
+    face : ndarray, shape (n,), str
+        Name of the element's face, for example ``"wall"`` or ``"baffle 2"``; empty on a miss. See
+        `Element.face_names`.
     """
 
     distance: NDArray[np.float64]
     element: NDArray[np.int64]
     point: NDArray[np.float64]
     normal: NDArray[np.float64]
+    face: NDArray[np.str_]
 
 
 def probe(
@@ -77,7 +81,7 @@ def probe(
     Returns
     -------
     ProbeResult
-        Distance, element, point and normal.
+        Distance, element, point, normal and face.
 
     Raises
     ------
@@ -101,14 +105,23 @@ def probe(
     rays = np.hstack([start - shift, along])
     width = lanes or preferred_lanes(opened.record, compiled.tables.spec.effects)
     with device_failures(opened.record.label):
-        hits, element = probe_rays(opened, compiled.tables, rays, width)
+        hits, left = probe_faces(opened, compiled.tables, rays, width)
+    element = element_of(left)
     missed = element < 0
     distance = np.where(missed, np.inf, hits[:, 0])
     point = hits[:, 1:4] + shift
     normal = hits[:, 4:7] + 0.0  # no -0.0
     point[missed] = np.nan
     normal[missed] = np.nan
-    return ProbeResult(distance, element, point, normal)
+    face = _names(scene, element, face_of(left))
+    return ProbeResult(distance, element, point, normal, face)
+
+
+def _names(scene: Scene, element: NDArray[np.int64], number: NDArray[np.int64]) -> NDArray[np.str_]:
+    """Return the names of faces by the kernels' numbers; empty where the element's is −1."""
+    met, of_ray = np.unique(np.stack([element, number]), axis=1, return_inverse=True)
+    names = [scene.element[e].face_name(f) if e >= 0 else "" for e, f in met.T.tolist()]
+    return np.array(names, np.str_)[of_ray.ravel()]
 
 
 def _vectors(name: str, given: ArrayLike) -> NDArray[np.float64]:

@@ -8,7 +8,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from photizon_cl.geometry.areas import bin_areas, disk_areas, rectangle_areas, sphere_areas
+import photizon_cl as pz
+from photizon_cl.scene.areas import disk_areas, rectangle_areas, sphere_areas
 
 
 @pytest.mark.parametrize(
@@ -90,5 +91,9 @@ def test_rectangle_bins_are_the_stated_product():
 
 
 def test_an_element_without_maps_is_refused():
-    with pytest.raises(TypeError):
-        bin_areas(type("Lens", (), {"kind": "biconvex"})(), 2, 2)
+    lens = pz.Biconvex(
+        name="lens", position=(0, 0, 0), axis="+z", front_radius=1.0, back_radius=1.0,
+        aperture_radius=0.5, surface=pz.Absorber(),
+    )  # fmt: skip
+    with pytest.raises(TypeError, match="no map on a biconvex"):
+        lens.map_bins(2, 2)

@@ -114,3 +114,58 @@ def test_nothing_to_hit_and_nothing_to_ask():
 def test_bad_rays(origins, directions, message):
     with pytest.raises(pz.ArgumentError, match=message):
         pz.probe(scene(PLANE), origins, directions)
+
+
+HERE = {"position": [0, 0, 0], "axis": "+z"}
+TUBE = {"name": "tube", "kind": "baffled-tube", **HERE, "half_width": 1.0, "length": 4.0}
+BAFFLED = {**TUBE, "baffles": 3, "clear_half_width": 0.5}
+CPC = {"name": "cpc", "kind": "cpc", **HERE, "exit_radius": 0.5, "acceptance_deg": 30.0}
+PLANO = {
+    "name": "lens", "kind": "plano-convex", **HERE, "curvature_radius": 2.0, "aperture_radius": 1.0
+}  # fmt: skip
+BICONVEX = {
+    "name": "lens", "kind": "biconvex", **HERE, "front_radius": 2.0, "back_radius": 3.0,
+    "aperture_radius": 1.0,
+}  # fmt: skip
+DOWN, UP = [0, 0, -1], [0, 0, 1]
+
+
+@pytest.mark.parametrize(
+    ("element", "rays", "names"),
+    [
+        (PLANE, [([0, 0, 1], DOWN), ([0, 0, -1], UP), ([5, 0, 1], DOWN)], ["face", "face", ""]),
+        (DISK, [([0, 0, 3], DOWN), ([0, 0, 1], UP), ([5, 0, 1], UP)], ["face", "face", ""]),
+        (PORTED, [([5, 0, 0], [0, 1, 0]), ([5, 0, 0], [1, 0, 0])], ["wall", ""]),
+        (CPC, [([0, 0, 0.1], [1, 0, 0]), ([0, 0, 0.1], UP)], ["wall", ""]),
+        (TUBE, [([0, 0, 1], [1, 0, 0]), ([0, 0, 1], [0, -1, 0]), ([0, 0, 1], UP)],
+         ["wall", "wall", ""]),
+        (BAFFLED, [([0.7, 0, 0.5], UP), ([0.7, 0, 1.5], UP), ([0.7, 0, 3.5], DOWN),
+                   ([0, 0, 1.5], [0, 1, 0]), ([0, 0, 0.5], UP)],
+         ["baffle 1", "baffle 2", "baffle 3", "wall", ""]),
+        (PLANO, [([0, 0, -1], UP), ([0, 0, 1], DOWN), ([2, 0, 1], DOWN)], ["flat", "curved", ""]),
+        (BICONVEX, [([0, 0, 1], DOWN), ([0, 0, -1], UP), ([2, 0, 1], DOWN)],
+         ["front", "back", ""]),
+    ],
+    ids=lambda value: value["name"] if isinstance(value, dict) else "",
+)  # fmt: skip
+def test_the_face_has_its_name_and_lies_where_the_element_says(element, rays, names):
+    body = scene(element).element[0]
+    origins, directions = zip(*rays, strict=True)
+    hits = pz.probe(scene(element), origins, directions)
+    assert hits.face.tolist() == names
+    assert set(names) - {""} <= set(body.face_names)
+    for name, point in zip(names, hits.point.tolist(), strict=True):
+        local = body.local(tuple(point))
+        on = {face.name for face in body.faces if name and face.touches(local, 1e-12)}
+        assert on == ({name} if name else set())
+
+
+def test_names_of_faces_in_a_scene_of_several():
+    hits = pz.probe(
+        scene(PLANE, {**BAFFLED, "position": [0, 0, 5]}),
+        [[0, 0, 1], [0.7, 0, 5.5], [9, 9, 9], [0.7, 0, 6.5]],
+        [DOWN, UP, UP, UP],
+    )
+    assert hits.element.tolist() == [0, 1, -1, 1]
+    assert hits.face.tolist() == ["face", "baffle 1", "", "baffle 2"]
+    assert pz.probe(scene(PLANE), np.empty((0, 3)), np.empty((0, 3))).face.shape == (0,)

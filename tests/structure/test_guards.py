@@ -157,7 +157,7 @@ def test_an_element_without_bins_of_its_own_has_no_map():
     class Bare(pz.Sphere):
         """An element that says that it has a map and does not say how it is binned."""
 
-        map_filters = Element.map_filters
+        map_bins = Element.map_bins
 
     ball = {"kind": "sphere", "position": [0, 0, 0], "axis": "+z", "radius": 1.0, **BLACK}
     whole = scene_of([beam((0, 0, 0), "+z")], [{**ball, "detector": {"map": [2, 2]}}]).element[0]

@@ -249,7 +249,12 @@ def _quantities(cls: type[Any], item: Any) -> str:
     return text
 
 
-_INNER = frozenset({"class_axis", "local_box", "ported", "half_sizes", "reach"})
+_INNER = frozenset(
+    {
+        "class_axis", "local_box", "ported", "half_sizes", "reach", "faces", "sole_face", "outline",
+        "hole", "face", "draws_position", "self_view_factor", "diffuse_reflectance",
+    }
+)  # fmt: skip
 
 
 def _device(group: str, cls: type[Any]) -> str:

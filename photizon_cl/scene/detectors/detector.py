@@ -58,5 +58,6 @@ class Detector(Described):
         if self.generations is not None:
             found.append(("ladder", (Generation(self.generations),)))
         if self.map is not None:
-            found.append(("map", element.map_filters(*self.map)))
+            bins = element.map_bins(*self.map)
+            found.append(("map", (bins.x, bins.y)))
         return found

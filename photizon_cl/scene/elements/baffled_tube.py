@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.faces import Plane, Rectangular
 from photizon_cl.scene.parameters import integer, number, positive_length
 from photizon_cl.scene.rows import Row
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from photizon_cl.scene.described import Known
+    from photizon_cl.scene.faces import Face
     from photizon_cl.scene.frames import Vec3
 
 _ROUNDOFF: Final = 2.0**-53
@@ -96,7 +99,7 @@ class BaffledTube(Element):
 
     @classmethod
     def wall_reason(cls, known: Known) -> str:
-        """Say why a tube cannot be a Fresnel surface."""
+        """Say why a tube's surface cannot refract."""
         return "a tube is a wall, not a solid with an inside of glass; take a wall's surface"
 
     @property
@@ -108,6 +111,29 @@ class BaffledTube(Element):
     def baffle_positions(self) -> tuple[float, ...]:
         """Distances of the baffles from the entrance in metres."""
         return tuple(self.length * (i + 1) / (self.baffles + 1) for i in range(self.baffles))
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """The walls at +u, −u, +v and −v, then the baffles."""
+        h, middle = self.half_width, 0.5 * self.length
+        wall, back = Rectangular(h, middle), (0.0, 0.0, -1.0)
+        walls = [
+            Plane(
+                name="wall",
+                outline=wall,
+                centre=(h * x, h * y, middle),
+                frame=((y, -x, 0.0), back, (x, y, 0.0)),
+            )
+            for x, y in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+        ]
+        clear = self.clear_half_width
+        hole = Rectangular(clear, clear) if clear else None
+        plate = Rectangular(h, h)
+        baffles = [
+            Plane(name=f"baffle {i + 1}", outline=plate, hole=hole, centre=(0.0, 0.0, z))
+            for i, z in enumerate(self.baffle_positions)
+        ]
+        return (*walls, *baffles)
 
     @property
     def local_box(self) -> tuple[Vec3, Vec3]:
@@ -149,15 +175,3 @@ class BaffledTube(Element):
         for i, at in enumerate(self.baffle_positions[:8]):
             out[f"baffle {i + 1} at"] = (at, "m")
         return out
-
-    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
-        """Say whether a local point lies on a wall or a baffle to within `slack` metres."""
-        u, v, w = abs(local[0]), abs(local[1]), local[2]
-        if not -slack <= w <= self.length + slack or max(u, v) > self.half_width + slack:
-            return False
-        if abs(max(u, v) - self.half_width) <= slack:
-            return True
-        clear = self.clear_half_width or 0.0
-        return max(u, v) >= clear - slack and any(
-            abs(w - at) <= slack for at in self.baffle_positions
-        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.described import Described, Known, Nested
@@ -17,10 +17,14 @@ from photizon_cl.scene.surfaces import Surface
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from photizon_cl.scene.filters.base import Filter
+    from photizon_cl.scene.bins import MapBins
+    from photizon_cl.scene.faces import Face
     from photizon_cl.scene.rows import Row
 
 _ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bring it to a face
+
+
+_FACES = ("faces", "outline")  # what is cached of an element's faces
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,28 +91,30 @@ class Element(Described):
         """Check the surface and the detector against each other and against the geometry."""
         surface, detector = known.get("surface"), known.get("detector")
         problems: list[Problem] = []
-        if surface is not None and surface.kind == "fresnel":
+        optics = surface.cls if surface is not None else Surface
+        assert issubclass(optics, Surface)  # what the parameter `surface` takes
+        if optics.refracts:
             wall = cls.wall_reason(known)
             if wall:
                 problems.append(
                     Problem(
                         "surface.kind",
-                        show("fresnel"),
-                        'one of "absorber" "mirror" "lambertian"',
+                        show(optics.kind),
+                        "a surface that does not refract",
                         hint=wall,
                     )
                 )
         if detector is None:
             return problems
-        if surface is not None and surface.kind not in ("", "absorber"):
+        if optics.kind and not optics.carries_detector:
             given = {k: v for k, v in detector.values.items() if v is not None}
             problems.append(
                 Problem(
                     "detector",
                     show(given),
-                    f"no detector on a {surface.kind} surface",
-                    hint="a detector counts what ends on it, and only on an absorber everything "
-                    "that arrives ends; put it on an absorber",
+                    f"no detector on a {optics.kind} surface",
+                    hint="a detector counts what ends on it, and this surface sends a part of "
+                    "what arrives on; put it on an absorber",
                 )
             )
         if cls.flat and detector.get("side") is not None:
@@ -126,15 +132,20 @@ class Element(Described):
                     "detector.map",
                     show(detector.get("map")),
                     f"no map on a {cls.kind}",
-                    hint="maps exist on rectangle, disk and sphere",
+                    hint="its bins would have no exact areas; leave the map out, or put a flat "
+                    "element where it is wanted",
                 )
             )
         return problems
 
     @classmethod
     def wall_reason(cls, known: Known) -> str:
-        """Say why this is a wall and cannot be a Fresnel surface; empty where it can."""
+        """Say why this is a wall and its surface cannot refract; empty where it can."""
         return ""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the faces, which follow from the rest: there may be thousands."""
+        return {name: value for name, value in self.__dict__.items() if name not in _FACES}
 
     @cached_property
     def frame(self) -> Frame:
@@ -165,6 +176,33 @@ class Element(Described):
 
     @property
     @abstractmethod
+    def faces(self) -> tuple[Face, ...]:
+        """Its faces in local coordinates, in the order of the kernels' face numbers."""
+
+    @property
+    def sole_face(self) -> Face | None:
+        """Its face, where it has only one."""
+        return self.faces[0] if len(self.faces) == 1 else None
+
+    @property
+    def face_names(self) -> tuple[str, ...]:
+        """Names of its faces, each once."""
+        return tuple(dict.fromkeys(face.name for face in self.faces))
+
+    def face_name(self, number: int) -> str:
+        """Return the name of a face by the number that the kernels give it."""
+        return self.faces[number].name
+
+    @property
+    def self_view_factor(self) -> float | None:
+        """Part of what any place of its inside sends out diffusely that meets the inside again.
+
+        None where that differs from place to place.
+        """
+        return None
+
+    @property
+    @abstractmethod
     def local_box(self) -> tuple[Vec3, Vec3]:
         """Low and high corner in local coordinates, in metres."""
 
@@ -186,8 +224,8 @@ class Element(Described):
             `photizon_cl.geometry.wedges`.
         """
 
-    def map_filters(self, nx: int, ny: int) -> tuple[Filter, Filter]:
-        """Return what a map of nx × ny bins divides arrivals by; only those with `has_map` do."""
+    def map_bins(self, nx: int, ny: int) -> MapBins:
+        """Return the bins of a map with nx columns and ny rows; only those with `has_map` do."""
         raise NotImplementedError(f"no map on a {self.kind}")
 
     @property
@@ -199,7 +237,6 @@ class Element(Described):
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return derived quantities: name → (value, unit)."""
 
-    @abstractmethod
     def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
         """Say whether a point lies on the surface.
 
@@ -210,8 +247,13 @@ class Element(Described):
         slack : float
             Distance in metres that counts as rounding.
         reach : float, optional
-            Metres by which the outline of a flat element is widened in its plane.
+            Metres by which the outlines of plane faces are widened in their planes.
         """
+        beyond = slack + reach
+        return all(
+            low - beyond <= x <= high + beyond
+            for x, low, high in zip(local, *self.local_box, strict=True)
+        ) and any(face.touches(local, slack, reach) for face in self.faces)
 
     def local(self, point: Vec3) -> Vec3:
         """Return a world point in local coordinates."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.scene.elements.lens import (
     Lens,
+    cap,
     cap_area,
     cap_columns,
     centre_depth,
@@ -19,6 +21,7 @@ from photizon_cl.scene.rows import Row
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from photizon_cl.scene.faces import Face
     from photizon_cl.scene.frames import Vec3
 
 
@@ -70,6 +73,15 @@ class Biconvex(Lens):
     def reach(self) -> float:
         """Radius in metres of a ball around the rim's centre that holds it."""
         return self.aperture_radius
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """The cap on the side of the axis and the other one."""
+        a = self.aperture_radius
+        return (
+            cap("front", self.front_radius, a, 1.0),
+            cap("back", self.back_radius, a, -1.0),
+        )
 
     @property
     def local_box(self) -> tuple[Vec3, Vec3]:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
 from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.faces import Revolved
 from photizon_cl.scene.frames import sincos_deg
 from photizon_cl.scene.parameters import number, positive_length
 from photizon_cl.scene.rows import Row
@@ -16,10 +18,29 @@ from photizon_cl.scene.rows import Row
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from photizon_cl.scene.described import Known
+    from photizon_cl.scene.faces import Face
     from photizon_cl.scene.frames import Vec3
 
 _ROUNDOFF: Final = 2.0**-53
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Wall(Revolved):
+    """The tilted parabola, solved for the radius as `Cpc` states it; sizes in metres."""
+
+    exit_radius: float
+    acceptance_deg: float
+    length: float
+
+    def profile(self, s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        a, (sine, cosine) = self.exit_radius, sincos_deg(self.acceptance_deg)
+        z = s * (self.length / a)
+        q = (1.0 + sine) * (3.0 + sine) + z * (2.0 * cosine * (2.0 + sine) - sine * sine * z)
+        p = 2.0 * cosine * sine * z + 2.0 * (1.0 + sine) ** 2
+        return a * 2.0 * q / (p + np.sqrt(p * p + 4.0 * cosine * cosine * q)), s * self.length
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +97,7 @@ class Cpc(Element):
 
     @classmethod
     def wall_reason(cls, known: Known) -> str:
-        """Say why a CPC cannot be a Fresnel surface."""
+        """Say why a CPC's surface cannot refract."""
         return "a CPC is a wall, not a solid with an inside of glass; take a wall's surface"
 
     @property
@@ -99,6 +120,18 @@ class Cpc(Element):
     def reach(self) -> float:
         """Distance in metres from the centre of the exit to the entrance's rim."""
         return math.hypot(self.entrance_radius, self.length)
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """Its wall."""
+        return (
+            _Wall(
+                name="wall",
+                exit_radius=self.exit_radius,
+                acceptance_deg=self.acceptance_deg,
+                length=self.length,
+            ),
+        )
 
     @property
     def local_box(self) -> tuple[Vec3, Vec3]:
@@ -160,11 +193,3 @@ class Cpc(Element):
             "geometric concentration": (self.concentration, ""),
             "wall area": (self.area, "m²"),
         }
-
-    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
-        """Say whether a local point lies on the wall to within `slack` metres."""
-        x, y, z = local
-        if not -slack <= z <= self.length + slack:
-            return False
-        at = min(max(z, 0.0), self.length)
-        return abs(math.hypot(x, y) - self.radius_at(at)) <= slack

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from functools import cached_property, partial
+from typing import ClassVar
 
+from photizon_cl.scene.areas import disk_areas
+from photizon_cl.scene.bins import MapBins
 from photizon_cl.scene.elements.flat import Flat
+from photizon_cl.scene.faces import Circular
+from photizon_cl.scene.filters.along import across
 from photizon_cl.scene.parameters import positive_length
-
-if TYPE_CHECKING:
-    from photizon_cl.scene.frames import Vec3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,10 +35,10 @@ class Disk(Flat):
 
     radius: float = field(metadata=positive_length("radius"))
 
-    @property
-    def half_sizes(self) -> tuple[float, float]:
-        """Half extents along u and v in metres."""
-        return (self.radius, self.radius)
+    @cached_property
+    def outline(self) -> Circular:
+        """What bounds it in its plane."""
+        return Circular(self.radius)
 
     @property
     def reach(self) -> float:
@@ -52,7 +54,11 @@ class Disk(Flat):
         """Return the area."""
         return {"area": (self.area, "m²")}
 
-    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
-        """Say whether a local point lies on the disk, see `Element.touches`."""
-        u, v, w = local
-        return abs(w) <= slack and math.hypot(u, v) <= self.radius + reach + slack
+    def map_bins(self, nx: int, ny: int) -> MapBins:
+        """Return the bins of a map, along u and v over the bounding square."""
+        return MapBins(
+            x=across("u", self.radius, nx),
+            y=across("v", self.radius, ny),
+            area_of=partial(disk_areas, self.radius, nx, ny),
+            rims=(self.radius,),
+        )

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from photizon_cl.scene.elements.base import Element
-from photizon_cl.scene.filters.along import Along
+from photizon_cl.scene.faces import Plane
 from photizon_cl.scene.frames import axis_index
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from photizon_cl.scene.filters.base import Filter
+    from photizon_cl.scene.faces import Face, Outline
     from photizon_cl.scene.frames import Vec3
 
 _ROUNDOFF: Final = 2.0**-53
@@ -53,8 +54,23 @@ class Flat(Element):
 
     @property
     @abstractmethod
+    def outline(self) -> Outline:
+        """What bounds it in its plane."""
+
+    @property
+    def hole(self) -> Outline | None:
+        """What is cut out of it around the centre."""
+        return None
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """Its face, of which both sides are meant."""
+        return (Plane(name="face", outline=self.outline, hole=self.hole),)
+
+    @property
     def half_sizes(self) -> tuple[float, float]:
         """Half extents along u and v in metres."""
+        return self.outline.half_sizes
 
     @property
     def class_axis(self) -> int | None:
@@ -120,11 +136,3 @@ class Flat(Element):
             "inner_minus_u": inner_minus_u,
             "inner_minus_v": inner_minus_v,
         }
-
-    def map_filters(self, nx: int, ny: int) -> tuple[Filter, Filter]:
-        """Return bins along u and along v over the bounding rectangle."""
-        u, v = self.half_sizes
-        return (
-            Along(nx, "u", -u, u, "u", "m", (-u, u)),
-            Along(ny, "v", -v, v, "v", "m", (-v, v)),
-        )

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
@@ -58,6 +60,7 @@ class Lens(Element):
         return problems
 
 
+@lru_cache(maxsize=1 << 16)
 def centre_depth(radius: float, aperture: float) -> float:
     """Return sqrt(R² − a²) in metres, the distance of the ball's centre from the rim's plane.
 
@@ -77,8 +80,23 @@ def cap_area(radius: float, aperture: float) -> float:
     return 2.0 * math.pi * radius * sag(radius, aperture)
 
 
+def cap(name: str, radius: float, aperture: float, sign: float) -> Ball:
+    """Return the cap on one side of the rim's plane as a face, convex outwards."""
+    depth = centre_depth(radius, aperture)
+    return Ball(
+        name=name,
+        radius=radius,
+        height=-sign * depth,
+        polar=(0.0, math.atan2(aperture, depth)),
+        pole=sign,
+    )
+
+
 def on_cap(local: Vec3, radius: float, aperture: float, sign: float, slack: float) -> bool:
-    """Say whether a local point lies on the cap on one side of the rim's plane."""
+    """Say whether a local point lies on the cap on one side of the rim's plane.
+
+    From the rim, so that a ball of whatever size around a small lens loses nothing.
+    """
     x, y, z = local[0], local[1], sign * local[2]
     if z < -slack:
         return False

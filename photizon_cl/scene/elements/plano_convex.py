@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.scene.elements.lens import (
     Lens,
+    cap,
     cap_area,
     cap_columns,
     on_cap,
     sag,
 )
+from photizon_cl.scene.faces import Circular, Plane
 from photizon_cl.scene.parameters import positive_length
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from photizon_cl.scene.faces import Face
     from photizon_cl.scene.frames import Vec3
 
 
@@ -58,6 +62,15 @@ class PlanoConvex(Lens):
     def reach(self) -> float:
         """Distance in metres from the centre of the flat face to the farthest point."""
         return self.aperture_radius
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """The flat face, whose normal points against the axis, and the cap."""
+        a = self.aperture_radius
+        return (
+            Plane(name="flat", outline=Circular(a), sense=-1.0),
+            cap("curved", self.curvature_radius, a, 1.0),
+        )
 
     @property
     def local_box(self) -> tuple[Vec3, Vec3]:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from functools import cached_property, partial
+from typing import ClassVar
 
+from photizon_cl.scene.areas import rectangle_areas
+from photizon_cl.scene.bins import MapBins
 from photizon_cl.scene.elements.flat import Flat
+from photizon_cl.scene.faces import Rectangular
+from photizon_cl.scene.filters.along import across
 from photizon_cl.scene.parameters import positive_length
-
-if TYPE_CHECKING:
-    from photizon_cl.scene.frames import Vec3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,10 +38,10 @@ class Rectangle(Flat):
     half_width: float = field(metadata=positive_length("half the side along u"))
     half_height: float = field(metadata=positive_length("half the side along v"))
 
-    @property
-    def half_sizes(self) -> tuple[float, float]:
-        """Half extents along u and v in metres."""
-        return (self.half_width, self.half_height)
+    @cached_property
+    def outline(self) -> Rectangular:
+        """What bounds it in its plane."""
+        return Rectangular(self.half_width, self.half_height)
 
     @property
     def reach(self) -> float:
@@ -59,8 +61,10 @@ class Rectangle(Flat):
             out["bin area"] = (2.0 * self.half_width / nx * (2.0 * self.half_height / ny), "m²")
         return out
 
-    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
-        """Say whether a local point lies on the rectangle, see `Element.touches`."""
-        u, v, w = map(abs, local)
-        du, dv = max(u - self.half_width, 0.0), max(v - self.half_height, 0.0)
-        return w <= slack and math.hypot(du, dv) <= reach + slack
+    def map_bins(self, nx: int, ny: int) -> MapBins:
+        """Return the bins of a map, along u and v."""
+        return MapBins(
+            x=across("u", self.half_width, nx),
+            y=across("v", self.half_height, ny),
+            area_of=partial(rectangle_areas, self.half_width, self.half_height, nx, ny),
+        )

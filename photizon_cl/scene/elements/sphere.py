@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
+from photizon_cl.scene.areas import sphere_areas
+from photizon_cl.scene.bins import MapBins
 from photizon_cl.scene.elements.base import Element
-from photizon_cl.scene.filters.along import Along
+from photizon_cl.scene.faces import Ball
+from photizon_cl.scene.filters.along import polar_cosine
 from photizon_cl.scene.filters.azimuth import Azimuth
 from photizon_cl.scene.parameters import number, positive_length
 from photizon_cl.scene.rows import Row
@@ -17,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from photizon_cl.scene.described import Known
-    from photizon_cl.scene.filters.base import Filter
+    from photizon_cl.scene.faces import Face
     from photizon_cl.scene.frames import Vec3
 
 SMALLEST_PORT = 1e-16  # below about half of this, 1 − 2f rounds to 1
@@ -39,7 +43,7 @@ class Sphere(Element):
     radius : float
         R in metres.
     port_fraction : float, optional
-        f, 0 for a whole sphere. A sphere with a port is a wall and refuses `fresnel`.
+        f, 0 for a whole sphere. A sphere with a port is a wall and refuses surfaces that refract.
     """
 
     kind: ClassVar[str] = "sphere"
@@ -70,7 +74,7 @@ class Sphere(Element):
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
-        """Refuse ports that cos θ_port cannot tell from none, and Fresnel walls."""
+        """Refuse ports that cos θ_port cannot tell from none, and refracting walls."""
         problems = super().cross_check(known)
         f = known.get("port_fraction")
         if f and f < SMALLEST_PORT:
@@ -80,7 +84,7 @@ class Sphere(Element):
 
     @classmethod
     def wall_reason(cls, known: Known) -> str:
-        """Say why a sphere with a port cannot be a Fresnel surface."""
+        """Say why the surface of a sphere with a port cannot refract."""
         if (known.get("port_fraction") or 0.0) < SMALLEST_PORT:
             return ""
         return (
@@ -97,6 +101,17 @@ class Sphere(Element):
     def reach(self) -> float:
         """Its radius in metres."""
         return self.radius
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """Its wall."""
+        polar = (math.acos(self.cos_port), math.pi)
+        return (Ball(name="wall", radius=self.radius, polar=polar),)
+
+    @property
+    def self_view_factor(self) -> float:
+        """Part of what any place of the wall sends inwards diffusely that meets it again, 1 − f."""
+        return 1.0 - self.port_fraction
 
     @property
     def local_box(self) -> tuple[Vec3, Vec3]:
@@ -119,10 +134,13 @@ class Sphere(Element):
             "on_surface": on_surface,
         }
 
-    def map_filters(self, nx: int, ny: int) -> tuple[Filter, Filter]:
-        """Return bins in φ, and in cos θ, which are equal along the axis."""
-        r = self.radius
-        return Azimuth(nx), Along(ny, "w", -r, r, "cos_theta", "1", (-1.0, 1.0))
+    def map_bins(self, nx: int, ny: int) -> MapBins:
+        """Return the bins of a map, in φ and in cos θ about the axis."""
+        return MapBins(
+            x=Azimuth(nx),
+            y=polar_cosine(self.radius, ny),
+            area_of=partial(sphere_areas, self.radius, self.port_fraction, nx, ny),
+        )
 
     @property
     def cos_port(self) -> float:
@@ -146,14 +164,14 @@ class Sphere(Element):
 
     @property
     def multiplier(self) -> float | None:
-        """Sphere multiplier 1/(1 − ρ(1 − f)) of a Lambertian wall, else None; infinite at ρ = 1.
+        """Sphere multiplier 1/(1 − ρ(1 − f)) of a diffuse wall, else None; infinite at ρ = 1.
 
         D. G. Goebel, Generalized Integrating-Sphere Theory, Applied Optics 6, 125 (1967).
         """
-        if self.surface.kind != "lambertian":
+        rho = self.surface.diffuse_reflectance
+        if rho is None:
             return None
-        rho = getattr(self.surface, "reflectance", 0.0)
-        rest = 1.0 - rho * (1.0 - self.port_fraction)
+        rest = 1.0 - rho * self.self_view_factor
         return 1.0 / rest if rest > 0.0 else math.inf
 
     def derived(self) -> dict[str, tuple[float, str]]:
@@ -167,11 +185,3 @@ class Sphere(Element):
         if self.multiplier is not None:
             out["sphere multiplier"] = (self.multiplier, "")
         return out
-
-    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
-        """Say whether a local point lies on the wall, see `Element.touches`."""
-        near = abs(math.hypot(*local) - self.radius) <= slack
-        # The rim belongs to the wall.
-        return near and (
-            self.port_fraction == 0.0 or local[2] <= self.cos_port * self.radius + slack
-        )

@@ -8,28 +8,30 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from photizon_cl.scene.edges import even_edges
-from photizon_cl.scene.filters.base import Filter
+from photizon_cl.scene.filters.base import Axis, Filter
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
-__all__ = ["Along"]
+__all__ = ["Along", "across", "along_axis", "polar_cosine"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Along(Filter):
     """Equal bins along u, v or w.
 
     Parameters
     ----------
+    bins : int
+        Their number.
     component : str
         ``"u"``, ``"v"`` or ``"w"``.
     low, high : float
         Where the first bin begins and the last one ends, in metres.
-    name, unit : str
-        Of the axis as people see it.
-    shown : tuple of float
-        What people see for `low` and `high`.
+    shown : callable
+        Gives the axis as people see it.
     """
 
     kind: ClassVar[str] = "along"
@@ -39,23 +41,61 @@ class Along(Filter):
     component: str
     low: float
     high: float
-    name: str
-    unit: str
-    shown: tuple[float, float]
+    shown: Callable[[int], Axis]
+
+    @property
+    def axis(self) -> Axis:
+        """The axis as people see it."""
+        return self.shown(self.bins)
 
     @property
     def option(self) -> str:
         """The component."""
         return self.component
 
-    @property
-    def axis(self) -> tuple[str, str, NDArray[np.float64]]:
-        """Name, unit and edges of the axis as people see it."""
-        n, k = self.bins, np.arange(self.bins + 1)
-        low, high = self.shown
-        edges = high * ((2 * k - n) / n) if low == -high else low + (high - low) * (k / n)
-        return self.name, self.unit, edges
-
     def device_edges(self) -> list[float]:
         """Return the edges in metres, each rounded once."""
         return even_edges(self.low, self.high, self.bins)
+
+
+def _symmetric(half: float, n: int) -> NDArray[np.float64]:
+    return np.asarray(half * ((2 * np.arange(n + 1) - n) / n))
+
+
+def across(name: str, half: float, n: int) -> Along:
+    """Return n equal bins from −half to half metres along a local axis, ``u`` or ``v``."""
+
+    def shown(bins: int) -> Axis:
+        return Axis(
+            name=name, units="m", edges=_symmetric(half, bins), symbol=name,
+            text=f"local {name}", said=f"{name} =",
+        )  # fmt: skip
+
+    return Along(n, name, -half, half, shown)
+
+
+def along_axis(length: float, n: int) -> Along:
+    """Return n equal bins from 0 to a length in metres along the local axis w."""
+
+    def shown(bins: int) -> Axis:
+        return Axis(
+            name="w", units="m", edges=length * (np.arange(bins + 1) / bins), symbol="w",
+            text="local w, along the axis", said="w =", about="along the axis",
+        )  # fmt: skip
+
+    return Along(n, "w", 0.0, length, shown)
+
+
+def polar_cosine(radius: float, n: int) -> Along:
+    """Return n equal bins of the cosine of the angle from the local axis, ascending from −1.
+
+    The device has the height in metres on a ball of a radius.
+    """
+
+    def shown(bins: int) -> Axis:
+        return Axis(
+            name="cos_theta", units="1", edges=_symmetric(1.0, bins), symbol="cos θ",
+            text="cosine of the angle from the axis", said="cosine", about="from the axis",
+        )  # fmt: skip
+
+    return Along(n, "w", -radius, radius, shown)

@@ -10,10 +10,41 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Filter"]
+__all__ = ["Axis", "Filter"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Axis:
+    """An axis as people see it.
+
+    Parameters
+    ----------
+    name : str
+        In arrays and files, for example ``cos_theta``.
+    units : str
+        ``m``, ``rad`` or ``1``.
+    edges : ndarray, shape (n + 1,), float64
+        Edges of the bins, ascending.
+    symbol : str
+        In figures and tables, for example ``cos θ``.
+    text : str
+        What it is, for a file's attributes.
+    said : str
+        What stands before a value in a sentence, for example ``cosine``.
+    about : str
+        What a figure adds to the symbol and the unit; may be empty.
+    """
+
+    name: str
+    units: str
+    edges: NDArray[np.float64]
+    symbol: str
+    text: str
+    said: str
+    about: str = ""
+
+
+@dataclass(frozen=True, eq=False)
 class Filter(ABC):
     """One axis of a tally's cells.
 
@@ -32,14 +63,14 @@ class Filter(ABC):
     bins: int
 
     @property
+    @abstractmethod
+    def axis(self) -> Axis:
+        """The axis as people see it."""
+
+    @property
     def option(self) -> str:
         """What its kernel is rendered with, a suffix of its function; empty where there is one."""
         return ""
-
-    @property
-    @abstractmethod
-    def axis(self) -> tuple[str, str, NDArray[np.float64]]:
-        """Name, unit and edges of the axis as people see it; ``bins + 1`` edges, ascending."""
 
     def device_edges(self) -> list[float]:
         """Return the edges that its kernel is given."""

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from photizon_cl.scene.filters.base import Filter
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from photizon_cl.scene.filters.base import Axis, Filter
 
 __all__ = ["Generation"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Generation(Filter):
     """One bin for each number of surface interactions; the last one collects all that have more."""
 
@@ -24,6 +21,13 @@ class Generation(Filter):
     what: ClassVar[str] = "the surface interactions before the arrival"
 
     @property
-    def axis(self) -> tuple[str, str, NDArray[np.float64]]:
-        """Name, unit and edges of the axis: bin g holds generation g."""
-        return "generation", "1", np.arange(self.bins + 1, dtype=np.float64)
+    def axis(self) -> Axis:
+        """The axis as people see it: bin g holds generation g."""
+        return Axis(
+            name="generation",
+            units="1",
+            edges=np.arange(self.bins + 1, dtype=np.float64),
+            symbol="generation",
+            text="surface interactions before the arrival",
+            said="generation",
+        )

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
 
 from photizon_cl.scene.described import Described
 from photizon_cl.scene.frames import Frame, Vec3, frame
@@ -18,6 +20,11 @@ from photizon_cl.scene.parameters import (
     unique_name,
 )
 from photizon_cl.scene.rows import NO_ROW, Row
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from photizon_cl.scene.faces import Ball, Plane
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,9 +69,21 @@ class Source(Described):
         return frame("+z")
 
     @property
+    def face(self) -> Plane | Ball | None:
+        """What it shines from, around its position and in its frame; None for a point."""
+        return None
+
+    @property
     def reach(self) -> float:
-        """Radius in metres of a ball around `position` from which all rays start; 0 for a point."""
-        return 0.0
+        """Radius in metres of a ball around `position` that holds it."""
+        return 0.0 if self.face is None else self.face.reach
+
+    def outline(self) -> list[NDArray[np.float64]]:
+        """Return the lines that show its size, shape (k, 3), in metres; one point for a point."""
+        at = np.array(self.position)
+        if self.face is None:
+            return [at[np.newaxis]]
+        return [at + line for line in self.face.sketch(np.array(self.frame))]
 
     def packed(self) -> dict[str, float]:
         """Return the values of its row's columns by name."""

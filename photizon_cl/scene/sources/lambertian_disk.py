@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from photizon_cl.scene.faces import Circular, Plane
 from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import DirectedSource, disk_area
@@ -33,9 +34,9 @@ class LambertianDisk(DirectedSource):
     radius: float = field(metadata=positive_length("radius"))
 
     @property
-    def reach(self) -> float:
-        """Radius in metres of a ball around `position` from which all rays start."""
-        return self.radius
+    def face(self) -> Plane:
+        """The disk."""
+        return Plane(name="face", outline=Circular(self.radius))
 
     def packed(self) -> dict[str, float]:
         """Return the radius."""

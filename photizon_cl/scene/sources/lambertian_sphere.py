@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import Source
@@ -34,9 +35,9 @@ class LambertianSphere(Source):
     radius: float = field(metadata=positive_length("radius"))
 
     @property
-    def reach(self) -> float:
-        """Radius in metres of a ball around `position` from which all rays start."""
-        return self.radius
+    def face(self) -> Ball:
+        """The shell."""
+        return Ball(name="shell", radius=self.radius)
 
     def packed(self) -> dict[str, float]:
         """Return the radius."""

@@ -19,3 +19,6 @@ class Absorber(Surface):
     kernel: ClassVar[str] = "absorber"
     does: ClassVar[str] = "ends what arrives"
     costs: ClassVar[str] = "one tally event a path"
+    absorbs: ClassVar[bool] = True
+    carries_detector: ClassVar[bool] = True
+    label_text: ClassVar[str] = "absorber"

@@ -26,12 +26,35 @@ class Surface(Described):
     """Whether the element takes what does not go on; else everything goes on."""
     counts: ClassVar[bool] = True
     """Whether meeting it is an interaction; else a ray passes as if nothing were there."""
+    reflects: ClassVar[bool] = False
+    """Whether light may turn back to the side that it came from."""
+    transmits: ClassVar[bool] = False
+    """Whether light may go on to the other side."""
+    refracts: ClassVar[bool] = False
+    """Whether it is the border of two media."""
     splits: ClassVar[bool] = False
     """Whether a ray may go on as two."""
+    draws: ClassVar[bool] = False
+    """Whether it draws random numbers."""
+    carries_detector: ClassVar[bool] = False
+    """Whether what arrives may be counted."""
+    colour: ClassVar[str] = "#000000"
+    """In drawings; safe for colour-blind readers (Okabe and Ito, Color Universal Design, 2008)."""
+    label_text: ClassVar[str] = ""
+    """In the legends of drawings."""
 
     def packed(self) -> dict[str, float]:
         """Return the values of its row's columns by name."""
         return {}
+
+    @property
+    def diffuse_reflectance(self) -> float | None:
+        """Part of the power that leaves it with equal radiance everywhere, where all else ends."""
+        return None
+
+    def advice(self) -> list[str]:
+        """Return what is valid and yet probably not meant, as what follows its element's name."""
+        return []
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return derived quantities: name → (value, unit)."""

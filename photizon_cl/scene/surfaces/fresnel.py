@@ -45,7 +45,12 @@ class Fresnel(Surface):
         ("one_less_square_minus", "", "1 − m², without cancellation"),
     )
     absorbs: ClassVar[bool] = False
+    reflects: ClassVar[bool] = True
+    transmits: ClassVar[bool] = True
+    refracts: ClassVar[bool] = True
     splits: ClassVar[bool] = True
+    colour: ClassVar[str] = "#56b4e9"
+    label_text: ClassVar[str] = "glass"
 
     index: float = field(metadata=refractive_index("index behind the normal, or inside the solid"))
     index_outside: float = field(
@@ -79,6 +84,12 @@ class Fresnel(Surface):
             return None
         low, high = sorted((self.index, self.index_outside))
         return math.degrees(math.asin(low / high))
+
+    def advice(self) -> list[str]:
+        """Say where it is no border."""
+        if self.index != self.index_outside:
+            return []
+        return ["has the same index on both sides: it reflects nothing and bends nothing"]
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return the reflectance at normal incidence and the critical angle."""

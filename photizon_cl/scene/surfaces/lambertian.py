@@ -29,6 +29,11 @@ class Lambertian(Surface):
     does: ClassVar[str] = "diffuse reflection"
     costs: ClassVar[str] = "one random block, sine and cosine an interaction"
     row: ClassVar[Row] = Row("LAMBERTIAN", ("reflectance", "", "part of the weight that goes on"))
+    absorbs: ClassVar[bool] = True
+    reflects: ClassVar[bool] = True
+    draws: ClassVar[bool] = True
+    colour: ClassVar[str] = "#cc79a7"
+    label_text: ClassVar[str] = "diffuse reflector"
 
     reflectance: float = field(
         metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
@@ -37,6 +42,11 @@ class Lambertian(Surface):
     def packed(self) -> dict[str, float]:
         """Return the reflectance."""
         return {"reflectance": self.reflectance}
+
+    @property
+    def diffuse_reflectance(self) -> float:
+        """ρ: all that is reflected is diffuse."""
+        return self.reflectance
 
     @property
     def absorptance(self) -> float:

@@ -28,6 +28,10 @@ class Mirror(Surface):
     does: ClassVar[str] = "specular reflection"
     costs: ClassVar[str] = "a few multiplications an interaction"
     row: ClassVar[Row] = Row("MIRROR", ("reflectance", "", "part of the weight that goes on"))
+    absorbs: ClassVar[bool] = True
+    reflects: ClassVar[bool] = True
+    colour: ClassVar[str] = "#0072b2"
+    label_text: ClassVar[str] = "mirror"
 
     reflectance: float = field(
         metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")

@@ -28,9 +28,7 @@ from photizon_cl.views.drawing.view import (
     Box,
     ShownRays,
     bounding_box,
-    is_directed,
     shown_rays,
-    source_outline,
 )
 
 if TYPE_CHECKING:
@@ -48,18 +46,6 @@ _QUIET: Final = "#5f5f5f"
 _FAINT: Final = "#b5b5b5"
 _SOURCE: Final = "#e69f00"
 _DETECTOR: Final = "#d55e00"
-_COLOUR: Final = {
-    "absorber": "#000000",
-    "mirror": "#0072b2",
-    "lambertian": "#cc79a7",
-    "fresnel": "#56b4e9",
-}
-_LABEL: Final = {
-    "absorber": "absorber",
-    "mirror": "mirror",
-    "lambertian": "diffuse reflector",
-    "fresnel": "glass",
-}
 _RAYS: Final = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.86, 256)))
 _MOST_SHADES: Final = 12
 _MOST_FACETS: Final = 20000
@@ -169,14 +155,14 @@ def ray_colours(rays: ShownRays, by: str) -> tuple[NDArray[np.float64], ScalarMa
 
 
 def _colour(element: Element) -> str:
-    return _DETECTOR if element.detector is not None else _COLOUR[element.surface.kind]
+    return _DETECTOR if element.detector is not None else element.surface.colour
 
 
 def legend_handles(scene: Scene) -> list[Line2D]:
     """Return what a legend of the scene shows, each kind of surface once."""
     seen: dict[str, Line2D] = {}
     for element in scene.element:
-        label = "detector" if element.detector is not None else _LABEL[element.surface.kind]
+        label = "detector" if element.detector is not None else element.surface.label_text
         if label not in seen:
             seen[label] = Line2D([], [], color=_colour(element), linewidth=2.4, label=label)
     handles = list(seen.values())
@@ -214,7 +200,7 @@ def draw_section(
         colour = _colour(element)
         for line in cut(element, across, float(box.centre[across])):
             x, y = line[:, h] * scale, line[:, v] * scale
-            if element.surface.kind == "fresnel" and len(line) > 2:
+            if element.surface.refracts and len(line) > 2:
                 axes.fill(x, y, color=colour, alpha=0.22, linewidth=0.0, zorder=1.5)
             axes.plot(x, y, color=colour, linewidth=2.2, solid_capstyle="butt", zorder=3.0)
         if element.detector is not None and element.flat:
@@ -240,14 +226,14 @@ def draw_section(
 
 
 def _draw_source(axes: Axes, box: Box, source: Any, h: int, v: int) -> None:
-    for outline in source_outline(source):
+    for outline in source.outline():
         style: dict[str, Any] = {"linewidth": 2.0}
         if len(outline) == 1:
             style = {"marker": "o", "markersize": 6, "markeredgecolor": _INK,
                      "markeredgewidth": 0.6}  # fmt: skip
         x, y = outline[:, h] * box.scale, outline[:, v] * box.scale
         axes.plot(x, y, color=_SOURCE, zorder=4.0, **style)
-    if is_directed(source):
+    if source.directed:
         _arrow(axes, box, source.position, source.frame[2], h, v, _SOURCE, 0.09)
 
 
@@ -302,7 +288,7 @@ def _draw_space(
     if len(ends):
         axes.add_collection3d(Line3DCollection(ends, colors=colours, linewidths=0.6), autolim=False)
     for source in scene.source:
-        for outline in source_outline(source):
+        for outline in source.outline():
             style = "-" if len(outline) > 1 else "o"
             axes.plot(*(outline * scale).T, style, color=_SOURCE, linewidth=1.8, markersize=5)
     for axis, name in enumerate(_NAMES):

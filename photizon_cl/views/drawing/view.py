@@ -8,29 +8,24 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.geometry.outlines import edges
-from photizon_cl.scene.sources import IsotropicPoint, LambertianSphere
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.run.pathing import Paths
     from photizon_cl.scene.model import Scene
-    from photizon_cl.scene.sources import Source
 
 __all__ = [
     "FAINTEST",
     "Box",
     "ShownRays",
     "bounding_box",
-    "is_directed",
     "shown_rays",
-    "source_outline",
 ]
 
 FAINTEST: Final = 1e-6
 """Weight relative to the heaviest launched ray below which a segment is not drawn."""
 _MARGIN: Final = 0.07
-_TURN: Final = np.linspace(0.0, 2.0 * np.pi, 91)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +59,7 @@ class Box:
 def bounding_box(scene: Scene) -> Box:
     """Return a box around every element and source, with a margin for what escapes."""
     solid = [line for element in scene.element for line in edges(element)]
-    lamps = [line for source in scene.source for line in source_outline(source)]
+    lamps = [line for source in scene.source for line in source.outline()]
     every = np.vstack(solid + lamps)
     body = np.vstack(solid or lamps)
     low, high = every.min(axis=0), every.max(axis=0)
@@ -76,24 +71,6 @@ def bounding_box(scene: Scene) -> Box:
     scale, unit = next(((s, u) for s, u in units if size * s >= 1.0), units[-1])
     centre = 0.5 * (body.min(axis=0) + body.max(axis=0))
     return Box(low - margin, high + margin, centre, scale, unit)
-
-
-def source_outline(source: Source) -> list[NDArray[np.float64]]:
-    """Return the lines that show a source's size, shape (k, 3), in metres; a point for a point."""
-    at = np.array(source.position)
-    if not source.reach:
-        return [at[np.newaxis]]
-    radius = source.reach
-    u, v, w = np.array(source.frame)
-    circles = [(u, v), (v, w), (w, u)] if isinstance(source, LambertianSphere) else [(u, v)]
-    return [
-        at + radius * (np.outer(np.cos(_TURN), a) + np.outer(np.sin(_TURN), b)) for a, b in circles
-    ]
-
-
-def is_directed(source: Source) -> bool:
-    """Say whether a source shines to one side, which an arrow then shows."""
-    return not isinstance(source, IsotropicPoint | LambertianSphere)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,6 @@ from matplotlib import colormaps
 from matplotlib.colors import Normalize
 
 from photizon_cl.errors import ArgumentError, show
-from photizon_cl.scene.elements import Disk
 from photizon_cl.views.figures import bins
 from photizon_cl.views.figures.style import INK, LABEL, Page, sheet, styled
 from photizon_cl.views.figures.words import prefixed, scaled
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.maps import IrradianceMap
     from photizon_cl.result.result import Result
+    from photizon_cl.scene.filters.base import Axis
 
 __all__ = ["draw_irradiance", "draw_relative_sigma"]
 
@@ -53,7 +53,7 @@ def draw_irradiance(result: Result, element: str) -> Figure:
     page, axes, beside, x, y = _frame(result, element, m, f"irradiance on {element}")
     shown = np.ma.masked_array(m.irradiance, mask=m.hatched | m.masked)
     amounts(axes, beside, x, y, shown, m.hatched, "irradiance", "W/m²")
-    _outline(axes, result, element, x[-1] / m.x_edges[-1])
+    _rims(axes, m, x[-1] / m.x_edges[-1])
     return page.figure
 
 
@@ -112,7 +112,7 @@ def draw_relative_sigma(result: Result, element: str) -> Figure:
         bar.ax.axhline(target, color=INK, linewidth=1.2, label="target of the median")
     if not shown.count():
         bar.set_ticks([])
-    _outline(axes, result, element, x[-1] / m.x_edges[-1])
+    _rims(axes, m, x[-1] / m.x_edges[-1])
     return page.figure
 
 
@@ -172,40 +172,51 @@ def _frame(
     result: Result, element: str, m: IrradianceMap, what: str, notes: list[str] | None = None
 ) -> tuple[Page, Axes, Axes, NDArray[np.float64], NDArray[np.float64]]:
     """Return the page, axes for map and colour bar, and the edges as drawn."""
-    metric = m.x_units == "m"
+    across, up = m.bins.x.axis, m.bins.y.axis
+    lengths = [axis.edges for axis in (across, up) if axis.units == "m"]
+    half = max((float(np.abs(edges).max()) for edges in lengths), default=0.0)
+    scale, unit = prefixed(2.0 * half, "m") if lengths else (1.0, "")
+    x, y = (_as_drawn(axis, scale) for axis in (across, up))
+    metric = len(lengths) == 2
     if metric:
-        half = max(float(np.abs(m.x_edges).max()), float(np.abs(m.y_edges).max()))
-        scale, unit = prefixed(2.0 * half, "m")
-        x, y = m.x_edges * scale, m.y_edges * scale
         width, height = bins.size_of(x, y)
         if not bins.to_scale(x, y):
             what += "; axes not to one scale"
     else:
-        unit, x, y = "", np.degrees(m.x_edges), m.y_edges
         width, height = 4.85, 3.6
     page = sheet(result, what, bins.body(height), notes, m.lit_fraction)
     axes, beside = bins.bin_axes(page, width, height)
-    if metric:
-        axes.set_xlabel(f"u in {unit}", fontsize=LABEL)
-        axes.set_ylabel(f"v in {unit}", fontsize=LABEL)
-        if width < 2.0:
-            axes.locator_params(axis="x", nbins=3)
-        if height < 2.0:
-            axes.locator_params(axis="y", nbins=3)
-            beside.locator_params(axis="y", nbins=4)
-    else:
-        axes.set_xlabel("φ in degrees, about the axis from u towards v", fontsize=LABEL)
-        axes.set_ylabel("cos θ from the axis", fontsize=LABEL)
+    axes.set_xlabel(_label(across, unit), fontsize=LABEL)
+    axes.set_ylabel(_label(up, unit), fontsize=LABEL)
+    if metric and width < 2.0:
+        axes.locator_params(axis="x", nbins=3)
+    if metric and height < 2.0:
+        axes.locator_params(axis="y", nbins=3)
+        beside.locator_params(axis="y", nbins=4)
+    if across.units == "rad":
         axes.set_xticks(np.arange(0, 361, 45))
     return page, axes, beside, x, y
 
 
-def _outline(axes: Axes, result: Result, element: str, scale: float) -> None:
-    """Draw the rim of a disk over its bins."""
-    shape = next(e for e in result.scene.element if e.name == element)
-    if isinstance(shape, Disk):
-        turn = np.linspace(0.0, 2.0 * np.pi, 721)
-        radius = shape.radius * scale
+def _as_drawn(axis: Axis, scale: float) -> NDArray[np.float64]:
+    """Return edges in a length's unit, in degrees, or as they are."""
+    if axis.units == "m":
+        return axis.edges * scale
+    return np.degrees(axis.edges) if axis.units == "rad" else axis.edges
+
+
+def _label(axis: Axis, unit: str) -> str:
+    unit = {"m": unit, "rad": "degrees"}.get(axis.units, "")
+    if not unit:
+        return f"{axis.symbol} {axis.about}".strip()
+    return f"{axis.symbol} in {unit}" + (f", {axis.about}" if axis.about else "")
+
+
+def _rims(axes: Axes, m: IrradianceMap, scale: float) -> None:
+    """Draw the circles that bound what is mapped over its bins."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 721)
+    for rim in m.bins.rims:
+        radius = rim * scale
         axes.plot(
             radius * np.cos(turn), radius * np.sin(turn), color=INK, linewidth=0.8, clip_on=False
         )

@@ -134,10 +134,9 @@ def _physics(result: Result) -> Iterator[Markup]:
         "interference, no diffraction. Where features are of the size of a wavelength the answer "
         "is wrong, and no error bar says so."
     )
-    effects = result.compiled.effects
     glass = (
         " Glass reflects and refracts as for unpolarised light and absorbs nothing."
-        if "surface.fresnel" in effects
+        if any(element.surface.refracts for element in result.scene.element)
         else ""
     )
     yield Markup(

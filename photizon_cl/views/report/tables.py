@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
     from photizon_cl.result.result import Result
+    from photizon_cl.scene.filters.base import Axis
 
 __all__ = [
     "MOST_ROWS",
@@ -209,7 +210,10 @@ def map_table(name: str, element: str, m: IrradianceMap, power: Estimate) -> Tab
     area = float(m.area.sum())
     sigma = None if power.sigma is None else power.sigma / area
     rows: list[tuple[str, str]] = [
-        ("bins", f"{integer(nx)} in {_AXES[m.x_name]} × {integer(ny)} in {_AXES[m.y_name]}"),
+        (
+            "bins",
+            f"{integer(nx)} in {m.bins.x.axis.symbol} × {integer(ny)} in {m.bins.y.axis.symbol}",
+        ),
         ("area of all bins", number(f"{area:.6g}") + " m²"),
         ("bins with 10 or more arrivals", lit_percent(m.lit_fraction)),
         ("irradiance, mean over the area", brief(power.value / area, sigma, "W/m²")),
@@ -229,16 +233,20 @@ def map_table(name: str, element: str, m: IrradianceMap, power: Estimate) -> Tab
     )
 
 
-_AXES: Final = {"u": "u", "v": "v", "phi": "φ", "cos_theta": "cos θ"}
-
-
 def _place(m: IrradianceMap, at: tuple[int, int]) -> str:
-    j, i = at
-    x = 0.5 * (m.x_edges[i] + m.x_edges[i + 1])
-    y = 0.5 * (m.y_edges[j] + m.y_edges[j + 1])
-    if m.x_units == "rad":
-        return f"φ = {np.degrees(x):.4g}°, cos θ = {y:.3g}".replace("-", "−")
-    return f"u = {x:.4g} m, v = {y:.4g} m".replace("-", "−")
+    axes = (m.bins.x.axis, m.bins.y.axis)
+    places = [_middle(axis, k) for axis, k in zip(axes, at[::-1], strict=True)]
+    return ", ".join(places).replace("-", "−")
+
+
+def _middle(axis: Axis, k: int) -> str:
+    """Return where the middle of a bin is."""
+    value = 0.5 * (axis.edges[k] + axis.edges[k + 1])
+    if axis.units == "rad":
+        return f"{axis.symbol} = {np.degrees(value):.4g}°"
+    if axis.units == "1":
+        return f"{axis.symbol} = {value:.3g}"
+    return f"{axis.symbol} = {value:.4g} {axis.units}"
 
 
 def peak(

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.maps import FarFieldResult, IrradianceMap
     from photizon_cl.result.result import Result
+    from photizon_cl.scene.filters.base import Axis
 
 __all__ = ["describe"]
 
@@ -128,13 +129,7 @@ def _irradiance(result: Result, element: str) -> tuple[str, str]:
         return start + "no bin has 10 or more arrivals, so that all of it is hatched.", caption
     high, error, (j, i) = peak(m.irradiance, m.sigma, m.lit)
     low, _, _ = peak(m.irradiance, m.sigma, m.lit, -1.0)
-    x = float(0.5 * (m.x_edges[i] + m.x_edges[i + 1]))
-    y = float(0.5 * (m.y_edges[j] + m.y_edges[j + 1]))
-    where = (
-        f"azimuth {plain_amount(float(np.degrees(x)))}°, cosine {plain_amount(y)}"
-        if m.x_units == "rad"
-        else f"u = {plain_amount(x)} m, v = {plain_amount(y)} m"
-    )
+    where = f"{_middle(m.bins.x.axis, i)}, {_middle(m.bins.y.axis, j)}"
     mean = result.detectors[element].power.value / float(m.area.sum())
     alt = (
         f"{start}{lit_percent(m.lit_fraction)} of them have 10 or more arrivals. Those range from "
@@ -142,6 +137,15 @@ def _irradiance(result: Result, element: str) -> tuple[str, str]:
         f"the area is {plain_amount(mean)} W/m²."
     )
     return alt, caption
+
+
+def _middle(axis: Axis, k: int) -> str:
+    """Say where the middle of a bin is."""
+    value = float(0.5 * (axis.edges[k] + axis.edges[k + 1]))
+    if axis.units == "rad":
+        return f"{axis.said} {plain_amount(float(np.degrees(value)))}°"
+    unit = "" if axis.units == "1" else f" {axis.units}"
+    return f"{axis.said} {plain_amount(value)}{unit}"
 
 
 def _sigma(result: Result, element: str) -> tuple[str, str]:

@@ -12,41 +12,13 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.elements import Disk, Rectangle, Sphere
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from photizon_cl.scene.elements import Element
-
-__all__ = ["bin_areas", "disk_areas", "rectangle_areas", "sphere_areas"]
+__all__ = ["disk_areas", "rectangle_areas", "sphere_areas"]
 
 _RIM: Final = 4.0 * 2.0**-53
 """Rounding of the cosine of a port's rim, 1 − 2f, of numbers about 1."""
-
-
-def bin_areas(element: Element, nx: int, ny: int) -> NDArray[np.float64]:
-    """Return the area of each bin of an element's map.
-
-    Parameters
-    ----------
-    element : Element
-        A rectangle, disk or sphere.
-    nx, ny : int
-        Bins.
-
-    Returns
-    -------
-    ndarray, shape (ny, nx), float64
-        Square metres; 0 where a bin lies wholly outside a disk or in a sphere's port.
-    """
-    if isinstance(element, Rectangle):
-        return rectangle_areas(element.half_width, element.half_height, nx, ny)
-    if isinstance(element, Disk):
-        return disk_areas(element.radius, nx, ny)
-    if isinstance(element, Sphere):
-        return sphere_areas(element.radius, element.port_fraction, nx, ny)
-    raise TypeError(f"no map on a {element.kind}")
 
 
 def rectangle_areas(half_width: float, half_height: float, nx: int, ny: int) -> NDArray[np.float64]:

@@ -1,0 +1,380 @@
+"""The faces that elements are made of, each in its element's local frame, in metres.
+
+What follows from an element's shape (which elements touch, at what angles they meet, where planes
+cut them, how they are drawn) is computed from its faces, whatever the element is. A face of a new
+shape is a subclass of `Revolved` in the file of the element that has it.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from photizon_cl.scene.frames import Frame, Vec3, frame, to_local
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Line = NDArray[np.float64]
+    """Points of a polyline, shape (k, 2) in a plane or (k, 3)."""
+
+__all__ = ["Ball", "Circular", "Face", "Outline", "Plane", "Rectangular", "Revolved"]
+
+_TURN: Final = np.linspace(0.0, 2.0 * np.pi, 181)
+_SKETCH: Final = np.linspace(0.0, 2.0 * np.pi, 91)
+_AS_IT_IS: Final = frame("+z")
+_STEP: Final = 2.0**-14
+"""Part of a profile over which its slope is taken."""
+
+
+# -- outlines ------------------------------------------------------------------------------------
+
+
+class Outline:
+    """The outline of a plane face: what is within `rounding` of a rectangle around its centre."""
+
+    @property
+    @abstractmethod
+    def core(self) -> tuple[float, float]:
+        """Half sizes of that rectangle along u and v in metres."""
+
+    @property
+    @abstractmethod
+    def rounding(self) -> float:
+        """Metres around it."""
+
+    @property
+    def half_sizes(self) -> tuple[float, float]:
+        """Half extents along u and v in metres."""
+        (u, v), around = self.core, self.rounding
+        return (u + around, v + around)
+
+    @property
+    def reach(self) -> float:
+        """Distance of the farthest point from the centre in metres."""
+        return math.hypot(*self.core) + self.rounding
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """Corners of that rectangle."""
+        u, v = self.core
+        return ((-u, -v), (-u, v), (u, -v), (u, v)) if u or v else ((0.0, 0.0),)
+
+    def from_core(self, x: float, y: float) -> float:
+        """Return the distance in metres of a point of the plane from that rectangle."""
+        u, v = self.core
+        return math.hypot(max(abs(x) - u, 0.0), max(abs(y) - v, 0.0))
+
+    @abstractmethod
+    def holds(self, x: float, y: float, around: float = 0.0, grown: float = 1.0) -> bool:
+        """Say whether all within `around` metres of a point is within the outline times `grown`."""
+
+    @abstractmethod
+    def rim(self) -> Line:
+        """Return the outline as a closed polyline, shape (k, 2), a corner twice."""
+
+    @abstractmethod
+    def towards(self, angles: Line) -> Line:
+        """Return its points in some directions from the centre, shape (k, 2)."""
+
+    @abstractmethod
+    def sketch(self, rows: Line) -> Line:
+        """Return a polyline for small drawings around the centre, shape (k, 3), of axes (3, 3)."""
+
+
+@dataclass(frozen=True)
+class Rectangular(Outline):
+    """A rectangle: |u| ≤ half_u, |v| ≤ half_v, in metres."""
+
+    half_u: float
+    half_v: float
+
+    @property
+    def core(self) -> tuple[float, float]:  # noqa: D102
+        return (self.half_u, self.half_v)
+
+    @property
+    def rounding(self) -> float:  # noqa: D102
+        return 0.0
+
+    def holds(self, x: float, y: float, around: float = 0.0, grown: float = 1.0) -> bool:  # noqa: D102
+        return abs(x) + around <= self.half_u * grown and abs(y) + around <= self.half_v * grown
+
+    def rim(self) -> Line:  # noqa: D102
+        corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)]
+        return np.array([(self.half_u * a, self.half_v * b) for a, b in corners])
+
+    def towards(self, angles: Line) -> Line:  # noqa: D102
+        along = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        with np.errstate(divide="ignore"):
+            steps = np.array(self.core) / np.abs(along)
+        return np.asarray(along * steps.min(axis=1, keepdims=True))
+
+    def sketch(self, rows: Line) -> Line:  # noqa: D102
+        return np.asarray(self.rim() @ rows[:2])
+
+
+@dataclass(frozen=True)
+class Circular(Outline):
+    """A circle of a radius in metres."""
+
+    radius: float
+
+    @property
+    def core(self) -> tuple[float, float]:  # noqa: D102
+        return (0.0, 0.0)
+
+    @property
+    def rounding(self) -> float:  # noqa: D102
+        return self.radius
+
+    def holds(self, x: float, y: float, around: float = 0.0, grown: float = 1.0) -> bool:  # noqa: D102
+        return math.hypot(x, y) + around <= self.radius * grown
+
+    def rim(self) -> Line:  # noqa: D102
+        return self.towards(_TURN)
+
+    def towards(self, angles: Line) -> Line:  # noqa: D102
+        return np.stack([self.radius * np.cos(angles), self.radius * np.sin(angles)], axis=1)
+
+    def sketch(self, rows: Line) -> Line:  # noqa: D102
+        return _ring(self.radius, rows[0], rows[1])
+
+
+def _ring(radius: float, a: Line, b: Line) -> Line:
+    return np.asarray(radius * (np.outer(np.cos(_SKETCH), a) + np.outer(np.sin(_SKETCH), b)))
+
+
+# -- faces ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Face:
+    """A face of an element.
+
+    Parameters
+    ----------
+    name : str
+        As path tables and `photizon_cl.probe` give it; several faces may share one.
+    sense : float
+        1 where the element's normal points along a plane's own, away from the centre of a ball or
+        away from the axis of a surface of revolution; else −1.
+    """
+
+    name: str
+    sense: float = 1.0
+
+    @abstractmethod
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
+        """Say whether a local point lies on the face, see `Element.touches`."""
+
+    def hidden(self, local: Vec3, radius: float, *, plus: bool) -> bool:
+        """Say whether no straight line from within `radius` of a point meets one side of the face.
+
+        False where that is not known. `plus` is the side that the element's normal points to.
+        """
+        return False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plane(Face):
+    """A part of a plane.
+
+    Parameters
+    ----------
+    outline : Outline
+        What bounds it.
+    hole : Outline, optional
+        What is cut out around the centre, along the same axes; its rim belongs to the face.
+    centre : tuple of float
+        In metres.
+    frame : tuple of tuple of float
+        Rows (u, v, normal), right-handed.
+    """
+
+    outline: Outline
+    hole: Outline | None = None
+    centre: Vec3 = (0.0, 0.0, 0.0)
+    frame: Frame = _AS_IT_IS
+
+    @property
+    def empty(self) -> bool:
+        """Whether the hole leaves nothing but its rim."""
+        return self.hole is not None and self.hole == self.outline
+
+    def within(self, local: Vec3) -> Vec3:
+        """Return a local point in the face's own frame, from its centre."""
+        x, y, z = (a - b for a, b in zip(local, self.centre, strict=True))
+        return to_local(self.frame, (x, y, z))
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:  # noqa: D102
+        x, y, z = self.within(local)
+        outline, hole = self.outline, self.hole
+        if abs(z) > slack or outline.from_core(x, y) > outline.rounding + reach + slack:
+            return False
+        return hole is None or not hole.holds(x, y, reach + slack)
+
+    def hidden(self, local: Vec3, radius: float, *, plus: bool) -> bool:  # noqa: D102
+        height = self.sense * self.within(local)[2]
+        return height + radius <= 0.0 if plus else height - radius >= 0.0
+
+    def points(self, plane: Line) -> Line:
+        """Return points given by u and v, shape (k, 2), in local coordinates, shape (k, 3)."""
+        (u, v, _), x, y = np.array(self.frame), plane[:, :1], plane[:, 1:]
+        return np.asarray(np.array(self.centre) + (x * u + y * v))
+
+    def sketch(self, rows: Line) -> list[Line]:
+        """Return lines that show it around its centre, for axes (3, 3) in the world."""
+        return [part.sketch(rows) for part in (self.outline, self.hole) if part is not None]
+
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around its centre that holds it."""
+        return self.outline.reach
+
+
+@dataclass(frozen=True, kw_only=True)
+class Revolved(Face):
+    """A surface of revolution about the local axis; subclasses give its profile."""
+
+    @abstractmethod
+    def profile(self, s: Line) -> tuple[Line, Line]:
+        """Return radius and height in metres at some places from 0 to 1 along the profile.
+
+        The height goes up or down all the way.
+        """
+
+    def place_at(self, height: float) -> float:
+        """Return the place of the profile at a height; the nearer end beyond either."""
+        ends = self.profile(np.array([0.0, 1.0]))[1]
+        rising = bool(ends[0] <= ends[1])
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            below = bool(self.profile(np.array([middle]))[1][0] < height)
+            low, high = (middle, high) if below == rising else (low, middle)
+        return high if rising == bool(height > ends.min()) else low
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:  # noqa: D102
+        x, y, z = local
+        heights = self.profile(np.array([0.0, 1.0]))[1]
+        if not heights.min() - slack <= z <= heights.max() + slack:
+            return False
+        at = np.array([self.place_at(z)])
+        radius = float(self.profile(at)[0][0])
+        return abs(math.hypot(x, y) - radius) * self._sine(float(at[0])) <= slack
+
+    def _sine(self, place: float) -> float:
+        """Return the sine of the angle between the profile and the plane across the axis."""
+        ends = np.array([max(place - _STEP, 0.0), min(place + _STEP, 1.0)])
+        radius, height = (float(np.diff(x)[0]) for x in self.profile(ends))
+        return abs(height) / (math.hypot(radius, height) or 1.0)
+
+    def rim_sine(self, centre: Vec3, normal: Vec3, radius: float, room: float) -> float | None:
+        """Return at what angle a plane meets the face in a circle.
+
+        Parameters
+        ----------
+        centre, normal : tuple of float
+            Of the circle, in local coordinates; the normal has unit length.
+        radius : float
+            Of the circle, in metres.
+        room : float
+            Distance in metres that counts as none.
+
+        Returns
+        -------
+        float or None
+            The sine of the angle between the plane and the face, where the circle lies on it.
+        """
+        across = math.hypot(normal[0], normal[1])
+        if math.hypot(centre[0], centre[1]) > room or across * radius > room:
+            return None
+        heights = self.profile(np.array([0.0, 1.0]))[1]
+        if not heights.min() - room <= centre[2] <= heights.max() + room:
+            return None
+        place = self.place_at(centre[2])
+        sine = self._sine(place)
+        off = abs(float(self.profile(np.array([place]))[0][0]) - radius)
+        return sine if off * sine <= room else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball(Revolved):
+    """A ball, or its zone between two polar angles.
+
+    By angles, not by heights: of a shallow cap those would be lost to cancellation.
+
+    Parameters
+    ----------
+    radius : float
+        In metres.
+    height : float
+        Of its centre along the local axis, in metres.
+    polar : tuple of float
+        First and last angle in radians from the pole.
+    pole : float
+        1 where that points along the local axis, else −1.
+    """
+
+    radius: float
+    height: float = 0.0
+    polar: tuple[float, float] = (0.0, math.pi)
+    pole: float = 1.0
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is all of the ball."""
+        return self.polar == (0.0, math.pi)
+
+    @property
+    def reach(self) -> float:
+        """Radius in metres of a ball around the local origin that holds it."""
+        return abs(self.height) + self.radius
+
+    @cached_property
+    def _cosines(self) -> tuple[float, float]:
+        return math.cos(self.polar[1]), math.cos(self.polar[0])
+
+    def profile(self, s: Line) -> tuple[Line, Line]:  # noqa: D102
+        first, last = self.polar
+        theta = first + s * (last - first)
+        # sin π is not 0 in floating point; a radius is never negative
+        radius = np.abs(self.radius * np.sin(theta))
+        return radius, self.height + self.pole * (self.radius * np.cos(theta))
+
+    def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:  # noqa: D102
+        x, y, z = local[0], local[1], local[2] - self.height
+        low, high = (self.radius * c for c in self._cosines)
+        near = abs(math.hypot(x, y, z) - self.radius) <= slack
+        return near and low - slack <= self.pole * z <= high + slack
+
+    def holds(self, local: Vec3, radius: float = 0.0) -> bool:
+        """Say whether all within `radius` of a local point is inside the ball."""
+        centre = math.hypot(local[0], local[1], local[2] - self.height)
+        return centre + radius < self.radius
+
+    def hidden(self, local: Vec3, radius: float, *, plus: bool) -> bool:  # noqa: D102
+        if not self.whole:
+            return False
+        if plus == (self.sense > 0.0):
+            return self.holds(local, radius)
+        return math.hypot(local[0], local[1], local[2] - self.height) - radius > self.radius
+
+    def rim_sine(self, centre: Vec3, normal: Vec3, radius: float, room: float) -> float | None:  # noqa: D102
+        offset = (centre[0], centre[1], centre[2] - self.height)
+        height = sum(a * b for a, b in zip(offset, normal, strict=True))
+        aside = math.hypot(*(a - height * b for a, b in zip(offset, normal, strict=True)))
+        if aside > room or abs(math.hypot(height, radius) - self.radius) > room:
+            return None
+        return min(radius / self.radius, 1.0)
+
+    def sketch(self, rows: Line) -> list[Line]:
+        """Return lines that show it around its centre, for axes (3, 3) in the world."""
+        u, v, w = rows
+        return [_ring(self.radius, a, b) for a, b in ((u, v), (v, w), (w, u))]
