@@ -27,7 +27,7 @@ import numpy as np
 
 from hostcode.device import known_answers
 from hostcode.errors import KernelBuildError
-from hostcode.program.templates import lane, render
+from hostcode.templates import lane, render
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.errors import KernelBuildError
 from hostcode.program.structs import ITEM, LAUNCH, c_struct
-from hostcode.program.templates import lane, render
+from hostcode.templates import lane, render
 
 if TYPE_CHECKING:
     import pyopencl as cl

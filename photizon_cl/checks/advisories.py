@@ -6,14 +6,16 @@ import math
 from typing import TYPE_CHECKING
 
 from photizon_cl.checks.flush import flush_elements
-from photizon_cl.scene.elements import Element, Sphere
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import to_local
-from photizon_cl.scene.sources import LambertianSphere, Source
+from photizon_cl.scene.sources.lambertian_sphere import LambertianSphere
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.sources import Source
 
 _CAPPED = 1e-6  # expected depth-capped part of the flux that is worth a word
 _SPLITTING_CAP = 24  # generations after which 2^n children are too many to follow

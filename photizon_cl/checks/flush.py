@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.geometry.neighbours import Neighbours
-from photizon_cl.scene.elements import Disk
+from photizon_cl.scene.elements.disk import Disk
 from photizon_cl.scene.elements.flat import Flat
 
 if TYPE_CHECKING:

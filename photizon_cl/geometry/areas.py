@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.elements import Disk, Rectangle, Sphere
+from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.elements import BaffledTube, Sphere
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.sphere import Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

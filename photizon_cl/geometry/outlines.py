@@ -14,16 +14,14 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.elements import (
-    BaffledTube,
-    Biconvex,
-    Cpc,
-    Disk,
-    PlanoConvex,
-    Rectangle,
-    Sphere,
-)
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cpc import Cpc
+from photizon_cl.scene.elements.disk import Disk
 from photizon_cl.scene.elements.lens import centre_depth
+from photizon_cl.scene.elements.plano_convex import PlanoConvex
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import sincos_deg
 
 if TYPE_CHECKING:

@@ -14,7 +14,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from photizon_cl.geometry.neighbours import Neighbours
-from photizon_cl.scene.elements import BaffledTube, Disk, Rectangle, Sphere
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,8 +10,8 @@ import numpy as np
 from photizon_cl.geometry.areas import bin_areas
 from photizon_cl.result.ledger import Estimate, watts
 from photizon_cl.result.statistics import LIT_COUNT
-from photizon_cl.scene.elements import Sphere
 from photizon_cl.scene.elements.flat import Flat
+from photizon_cl.scene.elements.sphere import Sphere
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

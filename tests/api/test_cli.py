@@ -195,7 +195,7 @@ def test_advisories_are_said_once(run, tmp_path):
     tables["element"].append(mirror)
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(tables))
-    advisories = pz.load(path).advisories()
+    advisories = pz.advisories(pz.load(path))
     assert any("splits a ray in two" in text for text in advisories)
     status, out, err = run("run", path, "--batches", "1", "--rays-per-batch", "64")
     assert status == 0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hostcode.program.program import OPTIONS, program_source
-from hostcode.program.templates import lane, render
+from hostcode.templates import lane, render
 from oracles.engine import open_device
 
 if TYPE_CHECKING:

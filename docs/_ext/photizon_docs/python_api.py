@@ -17,10 +17,10 @@ _BESIDES = (
     ("photizon_cl.result.ledger", "Ledger"),
     ("photizon_cl.result.ledger", "Estimate"),
     ("photizon_cl.result.ledger", "Roulette"),
-    ("photizon_cl.result.result", "RunInfo"),
+    ("photizon_cl.result.estimates", "RunInfo"),
     ("photizon_cl.run.progress", "Progress"),
     ("photizon_cl.run.probing", "ProbeResult"),
-    ("photizon_cl.run.pathing", "Polyline"),
+    ("photizon_cl.result.paths", "Polyline"),
     ("photizon_cl.errors", "Problem"),
 )
 """Classes that are not public by name but are what public calls give."""

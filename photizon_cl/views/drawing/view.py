@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.geometry.outlines import edges
-from photizon_cl.scene.sources import IsotropicPoint, LambertianSphere
+from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
+from photizon_cl.scene.sources.lambertian_sphere import LambertianSphere
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from photizon_cl.run.pathing import Paths
+    from photizon_cl.result.paths import Paths
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.sources import Source
 
