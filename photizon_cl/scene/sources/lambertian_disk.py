@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from photizon_cl.scene.parameters import positive_length
-from photizon_cl.scene.sources.base import DirectedSource, disk_area
+from photizon_cl.scene.sources.base import DirectedSource, circle_area
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class LambertianDisk(DirectedSource):
     @property
     def area(self) -> float:
         """Emitting area πr² in m²."""
-        return disk_area(self.radius)
+        return circle_area(self.radius)
 
     @property
     def radiant_exitance(self) -> float:
