@@ -19,6 +19,8 @@ def command_line() -> str:
     verbs = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
     rows = [(f"[`{c.dest}`](#verb-{c.dest})", c.help or "") for c in verbs._choices_actions]
     parts = [table(("verb", "does"), rows)]
+    for made in verbs.choices.values():
+        made.fill()
     parts += [_verb(name, made) for name, made in verbs.choices.items()]
     return "\n".join(parts)
 
