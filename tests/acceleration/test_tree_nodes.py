@@ -9,7 +9,8 @@ import pytest
 
 import photizon_cl as pz
 from benchmarks.random_scenes import AXES, filled_scene, tiled_scene
-from hostcode.program import program, templates
+from hostcode import templates
+from hostcode.program import program
 from hostcode.program.program import TREE_NODE, TREE_WIDTH
 from hostcode.run.probe import probe_rays
 from photizon_cl.compile.compiled import compile_scene
