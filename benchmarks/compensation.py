@@ -149,11 +149,13 @@ PARTS = (
 
 def scene(kind: str):
     """Return a scene that spends its time in what is measured."""
-    from photizon_cl.scene.elements import Biconvex, Sphere
+    from photizon_cl.scene.elements.biconvex import Biconvex
+    from photizon_cl.scene.elements.sphere import Sphere
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.settings import RunSettings
-    from photizon_cl.scene.sources import IsotropicPoint
-    from photizon_cl.scene.surfaces import Fresnel, Lambertian
+    from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
+    from photizon_cl.scene.surfaces.fresnel import Fresnel
+    from photizon_cl.scene.surfaces.lambertian import Lambertian
     from photizon_cl.stability.families_mixed import room
 
     white = Lambertian(0.99)

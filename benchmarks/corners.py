@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.report import Report
-from photizon_cl.scene.surfaces import Lambertian, Mirror
+from photizon_cl.scene.surfaces.lambertian import Lambertian
+from photizon_cl.scene.surfaces.mirror import Mirror
 
 # the chambers are those of the tests
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))

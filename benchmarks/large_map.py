@@ -23,14 +23,15 @@ SIDE = 2048
 def step(name: str, folder: Path, side: int, batches: int) -> dict[str, float]:
     """Do one step; return its seconds and the process's peak memory in MiB before and after."""
     import photizon_cl as pz
-    from photizon_cl.result.directory import CHECKPOINT
     from photizon_cl.result.file import write_state
     from photizon_cl.run.checkpoint import latest
+    from photizon_cl.run.directory import CHECKPOINT
+    from photizon_cl.run.result import Result
 
     tables = pz.load("cosine-fourth").to_dict()
     tables["element"][0]["detector"] = {"map": [side, side]}
     if name != "trace":
-        result = latest(folder)
+        result = Result.of(latest(folder))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     started = time.perf_counter()
     size = 0

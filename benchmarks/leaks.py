@@ -17,12 +17,15 @@ from hostcode.device.device import choose, open_device, preferred_lanes
 from hostcode.program.plan import default_plan
 from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.scene.elements import Biconvex, PlanoConvex, Sphere
+from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.plano_convex import PlanoConvex
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.settings import RunSettings
-from photizon_cl.scene.sources import IsotropicPoint
-from photizon_cl.scene.surfaces import Lambertian, Mirror
+from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
+from photizon_cl.scene.surfaces.lambertian import Lambertian
+from photizon_cl.scene.surfaces.mirror import Mirror
 from photizon_cl.stability.families_mixed import room
 
 if TYPE_CHECKING:

@@ -1,7 +1,8 @@
 """Non-sequential Monte-Carlo ray tracing for illumination and stray light, in OpenCL.
 
 ``import photizon_cl as pz`` touches no OpenCL and imports next to nothing: every public name is
-looked up in an explicit table at first use (PEP 562).
+looked up at first use (PEP 562), in an explicit table or, for the kinds of sources, elements and
+surfaces, in `photizon_cl.scene.registry`.
 
 >>> import photizon_cl as pz
 >>> scene = pz.load("integrating-sphere")
@@ -11,80 +12,53 @@ looked up in an explicit table at first use (PEP 562).
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
-from photizon_cl.version import __version__
+from photizon_cl.version import __version__ as __version__
 
+# What type checkers see. Public is what is imported under its own name once more.
 if TYPE_CHECKING:
-    from photizon_cl.errors import (
-        ArgumentError,
-        PhotizonError,
-        RecipeError,
-        ResultError,
-        RunError,
-        SceneError,
-    )
-    from photizon_cl.result.recipe import Recipe
-    from photizon_cl.result.result import Result, open_result
-    from photizon_cl.run.pathing import Paths, paths
-    from photizon_cl.run.probing import probe
-    from photizon_cl.run.simulation import resume, trace
-    from photizon_cl.scene.detectors.detector import Detector
-    from photizon_cl.scene.elements.baffled_tube import BaffledTube
-    from photizon_cl.scene.elements.biconvex import Biconvex
-    from photizon_cl.scene.elements.cpc import Cpc
-    from photizon_cl.scene.elements.disk import Disk
-    from photizon_cl.scene.elements.plano_convex import PlanoConvex
-    from photizon_cl.scene.elements.rectangle import Rectangle
-    from photizon_cl.scene.elements.sphere import Sphere
-    from photizon_cl.scene.files import load
-    from photizon_cl.scene.model import Scene
-    from photizon_cl.scene.settings import FarField, RunSettings
-    from photizon_cl.scene.sources.collimated_disk import CollimatedDisk
-    from photizon_cl.scene.sources.cosine_point import CosinePoint
-    from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
-    from photizon_cl.scene.sources.lambertian_disk import LambertianDisk
-    from photizon_cl.scene.sources.lambertian_sphere import LambertianSphere
-    from photizon_cl.scene.surfaces.absorber import Absorber
-    from photizon_cl.scene.surfaces.fresnel import Fresnel
-    from photizon_cl.scene.surfaces.lambertian import Lambertian
-    from photizon_cl.scene.surfaces.mirror import Mirror
+    from photizon_cl.checks.advisories import advisories as advisories
+    from photizon_cl.errors import ArgumentError as ArgumentError
+    from photizon_cl.errors import PhotizonError as PhotizonError
+    from photizon_cl.errors import RecipeError as RecipeError
+    from photizon_cl.errors import ResultError as ResultError
+    from photizon_cl.errors import RunError as RunError
+    from photizon_cl.errors import SceneError as SceneError
+    from photizon_cl.result.paths import Paths as Paths
+    from photizon_cl.run.pathing import paths as paths
+    from photizon_cl.run.probing import probe as probe
+    from photizon_cl.run.recipe import Recipe as Recipe
+    from photizon_cl.run.result import Result as Result
+    from photizon_cl.run.result import open_result as open_result
+    from photizon_cl.run.simulation import resume as resume
+    from photizon_cl.run.simulation import trace as trace
+    from photizon_cl.scene.detectors.detector import Detector as Detector
+    from photizon_cl.scene.files import load as load
+    from photizon_cl.scene.model import Scene as Scene
+    from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
+    from photizon_cl.scene.settings import FarField as FarField
+    from photizon_cl.scene.settings import RunSettings as RunSettings
     from photizon_cl.views import figures as figures
 
 _MODULE_OF: Final[dict[str, str]] = {
     # verbs
     "load": "photizon_cl.scene.files",
+    "advisories": "photizon_cl.checks.advisories",
     "trace": "photizon_cl.run.simulation",
     "resume": "photizon_cl.run.simulation",
     "probe": "photizon_cl.run.probing",
     "paths": "photizon_cl.run.pathing",
-    "open_result": "photizon_cl.result.result",
+    "open_result": "photizon_cl.run.result",
     # what comes out
-    "Result": "photizon_cl.result.result",
-    "Paths": "photizon_cl.run.pathing",
-    "Recipe": "photizon_cl.result.recipe",
-    "figures": "photizon_cl.views.figures",
-    # what goes in
+    "Result": "photizon_cl.run.result",
+    "Paths": "photizon_cl.result.paths",
+    "Recipe": "photizon_cl.run.recipe",
+    # what goes in, besides the kinds
     "Scene": "photizon_cl.scene.model",
     "RunSettings": "photizon_cl.scene.settings",
     "FarField": "photizon_cl.scene.settings",
     "Detector": "photizon_cl.scene.detectors.detector",
-    "BaffledTube": "photizon_cl.scene.elements.baffled_tube",
-    "Biconvex": "photizon_cl.scene.elements.biconvex",
-    "Cpc": "photizon_cl.scene.elements.cpc",
-    "PlanoConvex": "photizon_cl.scene.elements.plano_convex",
-    "Rectangle": "photizon_cl.scene.elements.rectangle",
-    "Disk": "photizon_cl.scene.elements.disk",
-    "Sphere": "photizon_cl.scene.elements.sphere",
-    "Absorber": "photizon_cl.scene.surfaces.absorber",
-    "Mirror": "photizon_cl.scene.surfaces.mirror",
-    "Lambertian": "photizon_cl.scene.surfaces.lambertian",
-    "Fresnel": "photizon_cl.scene.surfaces.fresnel",
-    "IsotropicPoint": "photizon_cl.scene.sources.isotropic_point",
-    "CosinePoint": "photizon_cl.scene.sources.cosine_point",
-    "LambertianDisk": "photizon_cl.scene.sources.lambertian_disk",
-    "LambertianSphere": "photizon_cl.scene.sources.lambertian_sphere",
-    "CollimatedDisk": "photizon_cl.scene.sources.collimated_disk",
     # what can go wrong
     "PhotizonError": "photizon_cl.errors",
     "SceneError": "photizon_cl.errors",
@@ -93,59 +67,30 @@ _MODULE_OF: Final[dict[str, str]] = {
     "RecipeError": "photizon_cl.errors",
     "RunError": "photizon_cl.errors",
 }
-"""Public name → the module that defines it, or that it is; a name is public by standing here."""
+"""Public name → the module that defines it; the registry has the kinds' names."""
 
-__all__ = [
-    "Absorber",
-    "ArgumentError",
-    "BaffledTube",
-    "Biconvex",
-    "CollimatedDisk",
-    "CosinePoint",
-    "Cpc",
-    "Detector",
-    "Disk",
-    "FarField",
-    "Fresnel",
-    "IsotropicPoint",
-    "Lambertian",
-    "LambertianDisk",
-    "LambertianSphere",
-    "Mirror",
-    "Paths",
-    "PhotizonError",
-    "PlanoConvex",
-    "Recipe",
-    "RecipeError",
-    "Rectangle",
-    "Result",
-    "ResultError",
-    "RunError",
-    "RunSettings",
-    "Scene",
-    "SceneError",
-    "Sphere",
-    "__version__",
-    "figures",
-    "load",
-    "open_result",
-    "paths",
-    "probe",
-    "resume",
-    "trace",
-]
+_MODULES: Final[dict[str, str]] = {"figures": "photizon_cl.views.figures"}
+"""Public name → the module that it is."""
 
 
-def __getattr__(name: str) -> Any:
-    try:
-        module = _MODULE_OF[name]
-    except KeyError:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}") from None
-    found = import_module(module)
-    value = found if module.endswith(f".{name}") else getattr(found, name)
-    globals()[name] = value  # found once; the next look-up does not come here
-    return value
+if not TYPE_CHECKING:  # else every name would be there, and of any type
 
+    def __getattr__(name):
+        if name == "__all__":
+            value = sorted({"__version__", *_MODULE_OF, *_MODULES, *_kinds()})
+        elif name in _MODULE_OF:
+            value = getattr(import_module(_MODULE_OF[name]), name)
+        elif name in _MODULES:
+            value = import_module(_MODULES[name])
+        elif name[:1].isupper() and name in _kinds():  # no other name costs the registry
+            value = _kinds()[name]
+        else:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        globals()[name] = value  # found once; the next look-up does not come here
+        return value
 
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    def _kinds():
+        return import_module("photizon_cl.scene.registry").CLASSES
+
+    def __dir__():
+        return sorted({*globals(), *__getattr__("__all__")})

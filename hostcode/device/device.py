@@ -28,12 +28,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.device import selftest
 from hostcode.device.capability import INSTALL_HINT, DeviceRecord, Survey, find_device, survey
+from hostcode.device.opened import OpenDevice, preferred_lanes
 from hostcode.errors import DeviceError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-    import pyopencl as cl
 
 __all__ = [
     "ENVIRONMENT_VARIABLE",
@@ -86,31 +85,6 @@ class Choice:
 
     record: DeviceRecord
     reason: str
-
-
-@dataclass(frozen=True, slots=True)
-class OpenDevice:
-    """A device with a context and an in-order queue of its own.
-
-    Parameters
-    ----------
-    record : DeviceRecord
-        Its capabilities.
-    device : pyopencl.Device
-        The runtime's device; a sub-device where `open_device` was asked for fewer compute units.
-    context : pyopencl.Context
-        Holds this device alone.
-    queue : pyopencl.CommandQueue
-        In order.
-    profiling : bool
-        Whether events of the queue carry times.
-    """
-
-    record: DeviceRecord
-    device: cl.Device
-    context: cl.Context
-    queue: cl.CommandQueue
-    profiling: bool = False
 
 
 def enumerate_devices() -> list[DeviceRecord]:
@@ -281,30 +255,6 @@ def open_device(
             reason = f"self-test failed: {'; '.join(report.failures)}"
             raise DeviceError(f"device {record.label} is refused: {reason}", reason)
     return opened
-
-
-def preferred_lanes(record: DeviceRecord, effects: frozenset[str] = frozenset()) -> int:
-    """Return how many rays a work-item holds at once, as suits a device and a program.
-
-    Parameters
-    ----------
-    record : DeviceRecord
-        The device's capabilities.
-    effects : frozenset of str, optional
-        Effects that are compiled in.
-
-    Returns
-    -------
-    int
-        1 on a GPU; on a CPU 8 that go through a tree of boxes in turn, else the lanes of a packet:
-        16 where the runtime vectorises and has vectors of 8 doubles, or 8.
-    """
-    if record.type == "gpu":
-        return 1
-    if "acceleration" in effects:
-        return 8
-    vectorises = not record.is_pocl or record.pocl_version >= (3, 1)
-    return 16 if vectorises and record.native_vector_width_double >= 8 else 8
 
 
 def _matching(selector: str, records: tuple[DeviceRecord, ...]) -> list[DeviceRecord]:

@@ -26,8 +26,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from hostcode.device import known_answers
+from hostcode.device.opened import preferred_lanes
 from hostcode.errors import KernelBuildError
-from hostcode.program.templates import lane, render
+from hostcode.templates import lane, render
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     import pyopencl as cl
     from numpy.typing import NDArray
 
-    from hostcode.device.device import OpenDevice
+    from hostcode.device.opened import OpenDevice
 
 __all__ = [
     "BUILD_OPTIONS",
@@ -177,8 +178,6 @@ _passed: set[tuple[str, str]] = set()  # what passed in this process, for where 
 
 
 def _lane_widths(opened: OpenDevice) -> tuple[int, ...]:
-    from hostcode.device.device import preferred_lanes
-
     return tuple(sorted({1, preferred_lanes(opened.record)}))
 
 

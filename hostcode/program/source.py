@@ -8,7 +8,7 @@ from hostcode.program.codes import CODE
 from hostcode.program.fields import declare, of_type
 from hostcode.program.spec import CACHE_LINE
 from hostcode.program.structs import ITEM, LAUNCH, c_struct
-from hostcode.program.templates import lane, render
+from hostcode.templates import lane, render
 
 if TYPE_CHECKING:
     from hostcode.program.spec import ProgramSpec

@@ -2,6 +2,10 @@
 
 Exit status 0 success, 1 a run failed, 2 bad input. What the person asked for goes to standard
 output, everything else to standard error; bad input gives messages, never a traceback.
+
+A verb is a row of `VERBS` and a module with two functions, ``add_arguments(parser)`` and
+``call(arguments)``, which returns the exit status. The module is imported when its verb is used,
+and imports what is heavy only in ``call``: help and bad input answer at once.
 """
 
 from __future__ import annotations
@@ -11,26 +15,56 @@ import os
 import sys
 import warnings
 from contextlib import contextmanager
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from hostcode.errors import CacheWarning
-from photizon_cl.cli.report import add_arguments as add_report_arguments
-from photizon_cl.errors import ArgumentError, PhotizonError
-from photizon_cl.stability import add_arguments as add_stability_arguments
+from photizon_cl.errors import PhotizonError
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
-__all__ = ["main"]
+__all__ = ["VERBS", "main", "parser"]
 
 _DESCRIPTION: Final = (
     "Non-sequential Monte-Carlo ray tracing for illumination and stray light: power, irradiance "
     "and intensity with error bars."
 )
-_SCENE: Final = "a preset's name, or a scene file (.toml or .json)"
-_DIRECTORY: Final = "the directory that `photizon run --out` wrote"
-_DEVICE: Final = "number, type or part of a name, see `photizon devices`"
+
+VERBS: Final = (
+    (
+        "presets",
+        "list the presets with the anchor that each pins, or print one",
+        "photizon_cl.cli.presets",
+    ),
+    (
+        "kinds",
+        "list what a scene can hold, with parameters, units and defaults",
+        "photizon_cl.cli.kinds",
+    ),
+    (
+        "check",
+        "validate a scene, print its derived geometry and advisories",
+        "photizon_cl.cli.check",
+    ),
+    ("run", "trace a scene", "photizon_cl.cli.run"),
+    ("resume", "go on with a run that ended or was killed", "photizon_cl.cli.resume"),
+    ("recipe", "print a token that reproduces a run bit for bit", "photizon_cl.cli.recipe"),
+    ("report", "write a saved result as one self-contained HTML page", "photizon_cl.cli.report"),
+    ("show", "draw a scene with traced ray paths", "photizon_cl.cli.show"),
+    (
+        "stability",
+        "measure hard cases against 60-digit arithmetic",
+        "photizon_cl.cli.stability",
+    ),
+    (
+        "devices",
+        "list every OpenCL device, whether it qualifies, and why not",
+        "photizon_cl.cli.devices",
+    ),
+)
+"""Name, what it does, and module of every verb, in the order in which help lists them."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -40,160 +74,36 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="photizon", description=_DESCRIPTION, allow_abbrev=False)
-    parser.add_argument("--version", action="version", version=f"photizon {__version__}")
-    verbs = parser.add_subparsers(metavar="VERB", required=True, dest="verb")
+class VerbParser(_Parser):
+    """The parser of a verb, which asks its module for the arguments when it is first used."""
 
-    def verb(name: str, does: str, call: Callable[[argparse.Namespace], int]) -> Any:
-        made = verbs.add_parser(
+    module: str = ""
+
+    def fill(self) -> None:
+        """Have the arguments declared."""
+        if self.module:
+            verb = import_module(self.module)
+            self.module = ""
+            verb.add_arguments(self)
+            self.set_defaults(call=verb.call)
+
+    def parse_known_args(self, *args: Any, **kwargs: Any) -> Any:
+        """Parse, with the verb's own arguments."""
+        self.fill()
+        return super().parse_known_args(*args, **kwargs)
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    made = _Parser(prog="photizon", description=_DESCRIPTION, allow_abbrev=False)
+    made.add_argument("--version", action="version", version=f"photizon {__version__}")
+    verbs = made.add_subparsers(metavar="VERB", required=True, dest="verb", parser_class=VerbParser)
+    for name, does, module in VERBS:
+        verb = verbs.add_parser(
             name, help=does, description=does[0].upper() + does[1:] + ".", allow_abbrev=False
         )
-        made.set_defaults(call=call)
-        return made
-
-    verb("presets", "list the presets with the anchor that each pins", _presets)
-    check = verb("check", "validate a scene, print its derived geometry and advisories", _check)
-    check.add_argument("scene", metavar="SCENE", help=_SCENE)
-    _add_run(verb("run", "trace a scene", _run))
-    _add_resume(verb("resume", "go on with a run that ended or was killed", _resume))
-    recipe = verb("recipe", "print a token that reproduces a run bit for bit", _recipe)
-    recipe.add_argument("directory", metavar="DIR", help=_DIRECTORY)
-    report = verb("report", "write a saved result as one self-contained HTML page", _report)
-    add_report_arguments(report)
-    _add_show(verb("show", "draw a scene with traced ray paths", _show))
-    stability = verb("stability", "measure hard cases against 60-digit arithmetic", _stability)
-    add_stability_arguments(stability)
-    verb("devices", "list every OpenCL device, whether it qualifies, and why not", _devices)
-    return parser
-
-
-def _add_run(run: argparse.ArgumentParser) -> None:
-    run.add_argument("scene", metavar="SCENE", nargs="?", help=_SCENE)
-    run.add_argument("--seed", type=_integer, metavar="N", help="random stream, 0 to 2^64 - 1")
-    _add_goal(run, "run exactly N batches")
-    run.add_argument(
-        "--rays-per-batch", type=_integer, metavar="N", help="rays launched in a batch, up to 2^24"
-    )
-    run.add_argument("--device", metavar="D", help=_DEVICE)
-    run.add_argument("--precision", metavar="P", help="fp64")
-    run.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
-    run.add_argument("--json", action="store_true", help="print the summary as JSON, nothing else")
-    run.add_argument(
-        "--recipe", metavar="TOKEN",
-        help="instead of SCENE and settings: make this run again, bit for bit; a token of "
-        "`photizon recipe`, or a file that holds one",
-    )  # fmt: skip
-
-
-def _add_resume(resume: argparse.ArgumentParser) -> None:
-    resume.add_argument("directory", metavar="DIR", help=_DIRECTORY)
-    _add_goal(resume, "run until there are N batches in all", "more ")
-    resume.add_argument("--device", metavar="D", help=_DEVICE)
-    resume.add_argument(
-        "--json", action="store_true", help="print the summary as JSON, nothing else"
-    )
-
-
-def _add_goal(parser: argparse.ArgumentParser, batches: str, more: str = "") -> None:
-    goal = parser.add_mutually_exclusive_group()
-    goal.add_argument("--batches", type=_integer, metavar="N", help=batches)
-    goal.add_argument(
-        "--target", type=_number, metavar="S", help="stop at a median relative σ of S, in (0, 1]"
-    )
-    parser.add_argument(
-        "--max-seconds", type=_number, metavar="T", help=f"stop after T {more}seconds"
-    )
-
-
-def _add_show(show: argparse.ArgumentParser) -> None:
-    show.add_argument("scene", metavar="SCENE", help=_SCENE)
-    show.add_argument("--rays", type=_integer, default=50, metavar="N", help="rays, default 50")
-    show.add_argument("--seed", type=_integer, metavar="N", help="random stream, 0 to 2^64 - 1")
-    show.add_argument(
-        "--by", choices=("generation", "weight"), default="generation", help="what colours the rays"
-    )
-    show.add_argument("--device", metavar="D", help=_DEVICE)
-    show.add_argument(
-        "--out", metavar="FILE", help="a .png, .svg or .pdf file; default NAME.png, here"
-    )
-
-
-def _integer(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected an integer") from None
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"found {text!r}, expected a number") from None
-
-
-# Verbs import what they need: `photizon --help` and bad input answer at once.
-
-
-def _presets(arguments: argparse.Namespace) -> int:
-    from photizon_cl.cli.show import print_presets
-
-    print_presets()
-    return 0
-
-
-def _check(arguments: argparse.Namespace) -> int:
-    from photizon_cl.cli.show import print_check
-    from photizon_cl.scene.files import load
-
-    print_check(load(arguments.scene))
-    return 0
-
-
-def _devices(arguments: argparse.Namespace) -> int:
-    from photizon_cl.cli.show import print_devices
-
-    return print_devices()
-
-
-def _report(arguments: argparse.Namespace) -> int:
-    from photizon_cl.cli.report import report
-
-    return report(arguments)
-
-
-def _show(arguments: argparse.Namespace) -> int:
-    from photizon_cl.cli.draw import draw
-
-    return draw(arguments)
-
-
-def _stability(arguments: argparse.Namespace) -> int:
-    from photizon_cl.stability import run
-
-    return run(arguments)
-
-
-def _run(arguments: argparse.Namespace) -> int:
-    from photizon_cl.cli.run import run
-
-    return run(arguments)
-
-
-def _resume(arguments: argparse.Namespace) -> int:
-    from photizon_cl.cli.run import resume
-
-    return resume(arguments)
-
-
-def _recipe(arguments: argparse.Namespace) -> int:
-    from photizon_cl.result.directory import open_result
-
-    if not arguments.directory:
-        raise ArgumentError("DIR: found nothing, expected a directory")
-    print(open_result(arguments.directory).recipe)
-    return 0
+        verb.module = module
+    return made
 
 
 @contextmanager
@@ -232,7 +142,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
-        arguments = _parser().parse_args(argv)
+        arguments = parser().parse_args(argv)
     except SystemExit as leaving:  # --help, --version, or a message that is out already
         return leaving.code if isinstance(leaving.code, int) else 0
     try:

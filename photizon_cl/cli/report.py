@@ -10,7 +10,7 @@ from photizon_cl.errors import ArgumentError
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ["add_arguments", "report"]
+__all__ = ["add_arguments", "call"]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,13 +19,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="FILE", help="the page to write; default DIR/report.html")
 
 
-def report(arguments: argparse.Namespace) -> int:
+def call(arguments: argparse.Namespace) -> int:
     """Write the report as the arguments say and print its path; return the exit status."""
     for name, value in (("DIR", arguments.directory), ("--out", arguments.out)):
         if value == "":
             raise ArgumentError(f"{name}: found nothing, expected a path")
 
-    from photizon_cl.views.report import write_report
+    from photizon_cl.run.report import write_report
 
     written = write_report(arguments.directory, arguments.out)
     for text in written.warnings:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.result.stopping import LEAST_BATCHES
-from photizon_cl.views.text import lit_percent
+from photizon_cl.result.text import lit_percent
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.scene.elements import Element
 
 __all__ = ["run_advisories"]
@@ -21,12 +21,12 @@ _LIT: Final = 0.5  # part of the map bins that should be lit
 _OTHER_SIDE: Final = {"inside": "outside", "outside": "inside"}
 
 
-def run_advisories(result: Result) -> list[str]:
+def run_advisories(result: Estimates) -> list[str]:
     """Return one sentence for each thing that a run's outcome gives reason for."""
     return [*_short(result), *_dark_detectors(result), *_capped(result), *_unlit(result)]
 
 
-def _short(result: Result) -> Iterator[str]:
+def _short(result: Estimates) -> Iterator[str]:
     if result.converged:
         return
     target, achieved = result.target_sigma, result.achieved_sigma
@@ -47,7 +47,7 @@ def _short(result: Result) -> Iterator[str]:
         yield f"σ from {result.batches} batches is itself uncertain; run {LEAST_BATCHES} or more"
 
 
-def _dark_detectors(result: Result) -> Iterator[str]:
+def _dark_detectors(result: Estimates) -> Iterator[str]:
     elements = {e.name: e for e in result.scene.element}
     for name, detector in result.detectors.items():
         absorbed = result.ledger.absorbed[name].value
@@ -66,7 +66,7 @@ def _turn(element: Element) -> str:
     return f'set its side to "{_OTHER_SIDE[side]}" (it is "{side}")'
 
 
-def _capped(result: Result) -> Iterator[str]:
+def _capped(result: Estimates) -> Iterator[str]:
     part = result.ledger.depth_capped.value / result.ledger.emitted.value
     if part > _CAPPED:
         yield (
@@ -76,7 +76,7 @@ def _capped(result: Result) -> Iterator[str]:
         )
 
 
-def _unlit(result: Result) -> Iterator[str]:
+def _unlit(result: Estimates) -> Iterator[str]:
     lit = result.lit_fraction
     if lit is not None and lit < _LIT:
         yield (

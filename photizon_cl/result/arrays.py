@@ -9,9 +9,9 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
-    from photizon_cl.result.result import Result
 
 __all__ = ["dataset", "prefix"]
 
@@ -29,7 +29,7 @@ def prefix(element: str) -> str:
     return f"{element}_" if element.rstrip("_") in _RESERVED else element
 
 
-def dataset(result: Result) -> xr.Dataset:
+def dataset(result: Estimates) -> xr.Dataset:
     """Return every array of a result, labelled.
 
     Variables are ``ledger.*``, ``DETECTOR.*`` and ``far_field.*``; powers in W, irradiance in W/m²,
@@ -59,17 +59,9 @@ def _sigma(estimate: Estimate) -> float:
     return float("nan") if estimate.sigma is None else estimate.sigma
 
 
-def _ledger(result: Result, variables: Variables, coordinates: Variables) -> None:
+def _ledger(result: Estimates, variables: Variables, coordinates: Variables) -> None:
     ledger = result.ledger
-    rows = [("emitted", ledger.emitted)]
-    rows += [(f"absorbed: {name}", row) for name, row in ledger.absorbed.items()]
-    rows += [
-        ("escaped", ledger.escaped),
-        ("roulette killed", ledger.roulette.killed),
-        ("roulette boosted", ledger.roulette.boosted),
-        ("roulette balance", ledger.roulette.balance),
-        ("depth-capped", ledger.depth_capped),
-    ]
+    rows = ledger.labelled_rows()
     dim = ("ledger.row",)
     names = np.array([name for name, _ in rows], dtype=object)
     coordinates["ledger.row"] = (dim, names, {"long_name": "where the power ended"})

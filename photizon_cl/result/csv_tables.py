@@ -6,26 +6,25 @@ import csv
 import io
 from typing import TYPE_CHECKING
 
-from photizon_cl.views.report.tables import ledger_rows
-
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import Rung
-    from photizon_cl.result.result import Result
 
 __all__ = ["detectors_csv", "ledger_csv"]
 
 
-def ledger_csv(result: Result) -> str:
+def ledger_csv(result: Estimates) -> str:
     """Return the ledger: row, watts, σ in watts (empty with a single batch), share of emitted."""
-    emitted = result.ledger.emitted.value
-    rows = ((name, *_numbers(row), row.value / emitted) for name, row in ledger_rows(result))
+    ledger = result.ledger
+    emitted = ledger.emitted.value
+    rows = ((name, *_numbers(row), row.value / emitted) for name, row in ledger.labelled_rows())
     return _text(("row", "value_W", "sigma_W", "share"), rows)
 
 
-def detectors_csv(result: Result) -> str:
+def detectors_csv(result: Estimates) -> str:
     """Return the detectors' totals (no generation) and ladders: watts, σ in watts, arrivals."""
 
     def rows() -> Iterable[tuple[object, ...]]:

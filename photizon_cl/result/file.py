@@ -24,7 +24,7 @@ from photizon_cl.atomic import reason
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ResultError, show
 from photizon_cl.result.arrays import dataset
-from photizon_cl.result.result import RESULT_SCHEMA, Result, RunInfo
+from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates, RunInfo
 from photizon_cl.result.statistics import Accumulator, AccumulatorState
 from photizon_cl.result.stopping import Goal
 from photizon_cl.scene.files import load, to_toml
@@ -45,7 +45,7 @@ _STATE: Final = ("limbs", "count", "mean", "m2")
 _HISTORY: Final = ("batches", "seconds", "sigma")
 
 
-def write_arrays(result: Result, path: Path) -> None:
+def write_arrays(result: Estimates, path: Path) -> None:
     """Write every labelled array, and what a run goes on from."""
     arrays, tally = _named(result, dataset(result)), _tally_dataset(result)
     _check_room(path.parent, arrays, tally)
@@ -53,7 +53,7 @@ def write_arrays(result: Result, path: Path) -> None:
     _write(tally, path, "a", _GROUP)
 
 
-def write_state(result: Result, path: Path) -> None:
+def write_state(result: Estimates, path: Path) -> None:
     """Write what a run goes on from, and no arrays."""
     import xarray as xr
 
@@ -63,7 +63,7 @@ def write_state(result: Result, path: Path) -> None:
     _write(tally, path, "a", _GROUP, packed=False)
 
 
-def _named(result: Result, arrays: xr.Dataset) -> xr.Dataset:
+def _named(result: Estimates, arrays: xr.Dataset) -> xr.Dataset:
     arrays.attrs["schema"] = RESULT_SCHEMA
     arrays.attrs["scene"] = to_toml(result.scene)
     return arrays
@@ -84,7 +84,7 @@ def _write(
     arrays.to_netcdf(path, mode=mode, group=group, engine="h5netcdf", encoding=encoding)
 
 
-def _tally_dataset(result: Result) -> xr.Dataset:
+def _tally_dataset(result: Estimates) -> xr.Dataset:
     import xarray as xr
 
     state, info = result.tally.state(), result.info
@@ -137,8 +137,8 @@ def _checksum(tally: xr.Dataset, scene: str) -> str:
 # -- reading -------------------------------------------------------------------------------------
 
 
-def read_file(file: Path) -> Result:
-    """Return the result that a file holds, with arrays or without.
+def read_file(file: Path) -> Estimates:
+    """Return what the result in a file says, with arrays or without.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def _scene_text(file: Path) -> str:
         return str(top.attrs["scene"])
 
 
-def _read(file: Path) -> Result:
+def _read(file: Path) -> Estimates:
     import xarray as xr
 
     text = _scene_text(file)
@@ -216,4 +216,4 @@ def _read(file: Path) -> Result:
             (b, t, None if math.isnan(s) else s) for b, t, s in zip(*history, strict=True)
         ),
     )
-    return Result(compiled, tally, info)
+    return Estimates(compiled, tally, info)

@@ -165,6 +165,18 @@ class Ledger:
             "closure": self.closure,
         }
 
+    def labelled_rows(self) -> list[tuple[str, Estimate]]:
+        """Return every row with its name, as files and data frames name them."""
+        return [
+            ("emitted", self.emitted),
+            *((f"absorbed: {name}", row) for name, row in self.absorbed.items()),
+            ("escaped", self.escaped),
+            ("roulette killed", self.roulette.killed),
+            ("roulette boosted", self.roulette.boosted),
+            ("roulette balance", self.roulette.balance),
+            ("depth-capped", self.depth_capped),
+        ]
+
     def rows(self) -> list[tuple[str, Estimate]]:
         """Return every row behind `emitted` with its title, in the order in which it is shown."""
         rows = [(name, row) for name, row in self.absorbed.items()]

@@ -15,7 +15,7 @@ import json
 import re
 import zlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 from photizon_cl.errors import RecipeError, RunError, SceneError, show
 from photizon_cl.result.engine import engine_digest
@@ -25,16 +25,10 @@ from photizon_cl.scene.reader import read_scene
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from concurrent.futures import Executor
-
-    from hostcode.device.device import DeviceRecord
-    from hostcode.program.plan import ExecutionPlan
-    from photizon_cl.result.result import Result
-    from photizon_cl.run.progress import Progress
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.scene.model import Scene
 
-__all__ = ["Recipe"]
+__all__ = ["RecipeText"]
 
 _PREFIX: Final = "pz1-"
 _LARGEST: Final = 2**26  # bytes that a token may unpack to
@@ -43,8 +37,8 @@ _BITS: Final = ("seed", "rays_per_batch", "generation_cap", "roulette_floor")
 
 
 @dataclass(frozen=True)
-class Recipe:
-    """How to make a result again.
+class RecipeText:
+    """How to make a result again, as a text.
 
     Parameters
     ----------
@@ -68,7 +62,7 @@ class Recipe:
     engine: str = dataclasses.field(default_factory=engine_digest)
 
     @classmethod
-    def of(cls, result: Result) -> Recipe:
+    def of(cls, result: Estimates) -> Self:
         """Return the recipe of a result."""
         info = result.info
         return cls(
@@ -97,7 +91,7 @@ class Recipe:
         return _PREFIX + base64.urlsafe_b64encode(packed).rstrip(b"=").decode("ascii")
 
     @classmethod
-    def read(cls, token: str) -> Recipe:
+    def read(cls, token: str) -> Self:
         """Return the recipe that a token holds.
 
         Raises
@@ -129,28 +123,7 @@ class Recipe:
             ) from None
         return made
 
-    def trace(
-        self,
-        *,
-        device: DeviceRecord | str | int | None = None,
-        progress: Callable[[Progress], object] | None = None,
-        executor: Executor | None = None,
-        plan: ExecutionPlan | None = None,
-        checkpoint: Any = None,
-    ) -> Result:
-        """Make the result again; every argument as in `photizon_cl.trace`.
-
-        What comes out may still have other bits, or too few batches where Ctrl-C ended it: see
-        `differs`.
-        """
-        from photizon_cl.run.simulation import trace
-
-        return trace(
-            self.scene, batches=self.batches, precision=self.precision, device=device,
-            progress=progress, executor=executor, plan=plan, checkpoint=checkpoint,
-        )  # fmt: skip
-
-    def differs(self, result: Result) -> str:
+    def differs(self, result: Estimates) -> str:
         """Say why a result is not what the recipe tells; empty where it is, bit for bit."""
         if result.tally_digest == self.tally_digest:
             return ""
@@ -172,7 +145,7 @@ class Recipe:
             "`photizon devices` tests them; please report this"
         )
 
-    def check(self, result: Result) -> None:
+    def check(self, result: Estimates) -> None:
         """Raise where a result is not what the recipe tells.
 
         Raises

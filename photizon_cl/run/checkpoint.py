@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import Lock, reason, replacing, sweep
 from photizon_cl.errors import ArgumentError, ResultError, RunError, show
-from photizon_cl.result.directory import ARRAYS, CHECKPOINT, read, unfinished
 from photizon_cl.result.file import write_state
+from photizon_cl.run.directory import ARRAYS, CHECKPOINT, read, unfinished
 from photizon_cl.scene.model import same_stream
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = ["Keeper", "latest"]
 
@@ -39,7 +39,7 @@ class Keeper:
     ----------
     folder : Path
         An existing directory.
-    start : Result
+    start : Estimates
         What the run starts from; written at once, so that its goal is known.
 
     Raises
@@ -48,7 +48,7 @@ class Keeper:
         Where a checkpoint cannot be written.
     """
 
-    def __init__(self, folder: Path, start: Result) -> None:
+    def __init__(self, folder: Path, start: Estimates) -> None:
         self._file = folder / CHECKPOINT
         import h5netcdf  # noqa: F401  (what is imported once is no part of a checkpoint's cost)
         import xarray  # noqa: F401
@@ -74,13 +74,13 @@ class Keeper:
         """Let other runs have the directory."""
         self._lock.free()
 
-    def note(self, now: Callable[[], Result], *, last: bool = False) -> None:
+    def note(self, now: Callable[[], Estimates], *, last: bool = False) -> None:
         """Write a checkpoint where one is due or the run ends; `now` gives the result so far."""
         due = self._written + max(PERIOD, self._cost / _SHARE)
         if last or time.perf_counter() >= due:
             self._write(now())
 
-    def _write(self, result: Result) -> None:
+    def _write(self, result: Estimates) -> None:
         started = time.perf_counter()
         try:
             with replacing(self._file) as temporary:
@@ -94,7 +94,7 @@ class Keeper:
         self._cost = self._written - started
 
 
-def latest(path: str | os.PathLike[str]) -> Result:
+def latest(path: str | os.PathLike[str]) -> Estimates:
     """Return what a directory's run has reached: its checkpoint, else its result.
 
     The result may have no batch yet.

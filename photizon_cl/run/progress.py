@@ -11,7 +11,7 @@ from photizon_cl.result.stopping import LEAST_BATCHES, Goal, achieved_sigma
 
 if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
-    from photizon_cl.result.result import RunInfo
+    from photizon_cl.result.estimates import RunInfo
     from photizon_cl.result.statistics import Accumulator
 
 __all__ = ["Clock", "Progress"]

@@ -112,6 +112,14 @@ def is_optional(cls: type[Described], item: str) -> bool:
     return any(f.name == item and f.default is None for f in _fields(cls))
 
 
+def default_of(cls: type[Described], item: str) -> Any:
+    """Return the default of a parameter; `dataclasses.MISSING` where it is required."""
+    entry = next(f for f in _fields(cls) if f.name == item)
+    if entry.default_factory is not dataclasses.MISSING:
+        return entry.default_factory()
+    return entry.default
+
+
 def _fields(cls: type[Described]) -> tuple[dataclasses.Field[Any], ...]:
     return dataclasses.fields(cls)  # type: ignore[arg-type]  # every subclass is a dataclass
 

@@ -102,12 +102,6 @@ class Scene(Described):
         )
         return "sha256:" + hashlib.sha256(text.encode("ascii")).hexdigest()
 
-    def advisories(self) -> list[str]:
-        """Return what is valid and yet probably not meant, one sentence each."""
-        from photizon_cl.checks.advisories import advisories
-
-        return advisories(self)
-
 
 def same_stream(a: Scene, b: Scene) -> bool:
     """Say whether two scenes as run launch the very same rays and tally them in the same rows.

@@ -1,56 +1,73 @@
-"""Explicit tables of everything that a scene can hold, by the kind that a file names.
+"""Everything that a scene can hold, by the kind that a file names.
 
-Nothing registers itself by being imported: a kind exists when it has a row here.
+Nothing registers itself by being imported: a kind exists when it has an import and an entry here.
+Each is imported under its own name once more (``as``), which is how type checkers know it as a
+class of `photizon_cl`.
 """
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
-from photizon_cl.scene.detectors import Detector
-from photizon_cl.scene.elements import (
-    BaffledTube,
-    Biconvex,
-    Cpc,
-    Disk,
-    Element,
-    PlanoConvex,
+from photizon_cl.scene.described import Described
+from photizon_cl.scene.detectors.detector import Detector as _Detector
+from photizon_cl.scene.elements.baffled_tube import BaffledTube as BaffledTube
+from photizon_cl.scene.elements.biconvex import Biconvex as Biconvex
+from photizon_cl.scene.elements.cpc import Cpc as Cpc
+from photizon_cl.scene.elements.disk import Disk as Disk
+from photizon_cl.scene.elements.plano_convex import PlanoConvex as PlanoConvex
+from photizon_cl.scene.elements.rectangle import Rectangle as Rectangle
+from photizon_cl.scene.elements.sphere import Sphere as Sphere
+from photizon_cl.scene.sources.collimated_disk import CollimatedDisk as CollimatedDisk
+from photizon_cl.scene.sources.cosine_point import CosinePoint as CosinePoint
+from photizon_cl.scene.sources.isotropic_point import IsotropicPoint as IsotropicPoint
+from photizon_cl.scene.sources.lambertian_disk import LambertianDisk as LambertianDisk
+from photizon_cl.scene.sources.lambertian_sphere import LambertianSphere as LambertianSphere
+from photizon_cl.scene.surfaces.absorber import Absorber as Absorber
+from photizon_cl.scene.surfaces.fresnel import Fresnel as Fresnel
+from photizon_cl.scene.surfaces.lambertian import Lambertian as Lambertian
+from photizon_cl.scene.surfaces.mirror import Mirror as Mirror
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.elements.base import Element as _Element
+    from photizon_cl.scene.sources.base import Source as _Source
+    from photizon_cl.scene.surfaces.base import Surface as _Surface
+
+_D = TypeVar("_D", bound=Described)
+
+
+def _by_kind(*classes: type[_D]) -> dict[str, type[_D]]:
+    return {cls.kind: cls for cls in classes}
+
+
+ELEMENTS: Final[dict[str, type[_Element]]] = _by_kind(
     Rectangle,
+    Disk,
     Sphere,
+    Cpc,
+    BaffledTube,
+    PlanoConvex,
+    Biconvex,
 )
-from photizon_cl.scene.sources import (
-    CollimatedDisk,
-    CosinePoint,
+
+SURFACES: Final[dict[str, type[_Surface]]] = _by_kind(
+    Absorber,
+    Mirror,
+    Lambertian,
+    Fresnel,
+)
+
+SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
     IsotropicPoint,
+    CosinePoint,
     LambertianDisk,
     LambertianSphere,
-    Source,
+    CollimatedDisk,
 )
-from photizon_cl.scene.surfaces import Absorber, Fresnel, Lambertian, Mirror, Surface
 
-ELEMENTS: Final[dict[str, type[Element]]] = {
-    "rectangle": Rectangle,
-    "disk": Disk,
-    "sphere": Sphere,
-    "cpc": Cpc,
-    "baffled-tube": BaffledTube,
-    "plano-convex": PlanoConvex,
-    "biconvex": Biconvex,
+DETECTORS: Final[dict[str, type[_Detector]]] = _by_kind(_Detector)
+
+CLASSES: Final[dict[str, type[Described]]] = {
+    cls.__name__: cls for group in (SOURCES, ELEMENTS, SURFACES) for cls in group.values()
 }
-
-SURFACES: Final[dict[str, type[Surface]]] = {
-    "absorber": Absorber,
-    "mirror": Mirror,
-    "lambertian": Lambertian,
-    "fresnel": Fresnel,
-}
-
-SOURCES: Final[dict[str, type[Source]]] = {
-    "isotropic-point": IsotropicPoint,
-    "cosine-point": CosinePoint,
-    "lambertian-disk": LambertianDisk,
-    "lambertian-sphere": LambertianSphere,
-    "collimated-disk": CollimatedDisk,
-}
-
-DETECTORS: Final[dict[str, type[Detector]]] = {"detector": Detector}
+"""The classes of sources, elements and surfaces by their names, which are public names."""

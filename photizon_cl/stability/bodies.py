@@ -9,15 +9,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.scene.elements import (
-    BaffledTube,
-    Biconvex,
-    Cpc,
-    Disk,
-    PlanoConvex,
-    Rectangle,
-    Sphere,
-)
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cpc import Cpc
+from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.plano_convex import PlanoConvex
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
 from photizon_cl.stability.digits import Vector, add, dot, load_mpmath, norm, scaled
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from photizon_cl.scene.frames import frame
-from photizon_cl.scene.surfaces import Absorber
+from photizon_cl.scene.surfaces.absorber import Absorber
 from photizon_cl.stability.case import Case, Left, Triple
 
 if TYPE_CHECKING:

@@ -6,7 +6,9 @@ import math
 import random
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.scene.elements import Disk, Rectangle, Sphere
+from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.stability.build import (
     SCALES,
     TILT,

@@ -6,8 +6,11 @@ import math
 import random
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.scene.elements import BaffledTube, Biconvex, Cpc, PlanoConvex
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cpc import Cpc
 from photizon_cl.scene.elements.lens import centre_depth, sag
+from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.stability.build import SCALES, TILT, aimed, black, turned
 from photizon_cl.stability.case import Case, Left
 

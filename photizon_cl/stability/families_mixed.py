@@ -9,9 +9,14 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.elements import Biconvex, Cpc, Disk, PlanoConvex, Rectangle, Sphere
+from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cpc import Cpc
+from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.plano_convex import PlanoConvex
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import AXES, frame
-from photizon_cl.scene.surfaces import Absorber
+from photizon_cl.scene.surfaces.absorber import Absorber
 from photizon_cl.stability.build import SCALES, TILT, aimed, black, turned
 from photizon_cl.stability.case import Case, Left
 

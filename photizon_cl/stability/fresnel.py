@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from hostcode.run.probe import follow_rays
-from photizon_cl.scene.elements import Rectangle
-from photizon_cl.scene.surfaces import Fresnel
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.surfaces.fresnel import Fresnel
 from photizon_cl.stability.digits import (
     DIGITS,
     UNIT,

@@ -12,7 +12,7 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.packing import code_of
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.settings import RunSettings
-from photizon_cl.scene.sources import IsotropicPoint
+from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
 from photizon_cl.stability.digits import DIGITS, UNIT, add, load_mpmath, norm, vector
 from photizon_cl.stability.oracle import FIRM, judge
 

@@ -15,7 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.scene.elements import Biconvex, Cpc, PlanoConvex, Sphere
+from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cpc import Cpc
+from photizon_cl.scene.elements.plano_convex import PlanoConvex
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.stability.bodies import Face, exact_frame, faces_of, sizes_of
 from photizon_cl.stability.digits import UNIT, Vector, add, dot, load_mpmath, norm, scaled, vector
 

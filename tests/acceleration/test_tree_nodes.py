@@ -10,7 +10,8 @@ from oracles.engine import with_tree
 
 import photizon_cl as pz
 from benchmarks.random_scenes import AXES, filled_scene, tiled_scene
-from hostcode.program import build, source, templates
+from hostcode import templates
+from hostcode.program import build, source
 from hostcode.run.probe import probe_rays
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.tree_nodes import TREE_NODE, pack_nodes, unpack_nodes

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import importlib
 import json
 import os
 import subprocess
@@ -11,8 +13,12 @@ import pytest
 from malformed import CASES, edited
 
 import photizon_cl as pz
-from photizon_cl.cli.main import main
-from photizon_cl.scene.presets import presets
+from photizon_cl.cli.main import VERBS, main
+from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
+from photizon_cl.errors import show
+from photizon_cl.scene.described import default_of, parameters_of
+from photizon_cl.scene.presets import preset_path, presets
+from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
 
 RUN = ["run", "box-room", "--batches", "2", "--rays-per-batch", "1024"]
 
@@ -195,7 +201,7 @@ def test_advisories_are_said_once(run, tmp_path):
     tables["element"].append(mirror)
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(tables))
-    advisories = pz.load(path).advisories()
+    advisories = pz.advisories(pz.load(path))
     assert any("splits a ray in two" in text for text in advisories)
     status, out, err = run("run", path, "--batches", "1", "--rays-per-batch", "64")
     assert status == 0
@@ -270,3 +276,103 @@ def test_no_device_at_all_is_a_failed_run_with_the_remedy(tmp_path):
     assert done.returncode == 1
     assert "apt install pocl-opencl-icd" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+# -- what there is ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("preset", [p.name for p in presets()])
+def test_a_preset_is_printed_byte_for_byte(preset):
+    done = subprocess.run(
+        [sys.executable, "-m", "photizon_cl.cli.main", "presets", preset],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        check=True,
+    )
+    assert done.stdout == preset_path(preset).read_bytes()
+    assert done.stderr == b""
+
+
+def test_a_preset_that_does_not_exist(run):
+    status, out, err = run("presets", "box-rom")
+    assert (status, out) == (2, "")
+    assert err.startswith('NAME: found "box-rom", expected the name of a preset: one of cosine')
+    assert len(err.splitlines()) == 1
+
+
+def test_kinds_lists_all_that_a_scene_can_hold(run):
+    status, out, err = run("kinds")
+    assert (status, err) == (0, "")
+    lines = out.splitlines()
+    assert max(map(len, lines)) <= 80
+    for group in (SOURCES, ELEMENTS, SURFACES, DETECTORS):
+        for kind, cls in group.items():
+            assert sum(line.startswith(f"  {kind}: ") for line in lines) >= 1
+            assert all(name in out for name in parameters_of(cls))
+    for effect in EFFECTS.values():
+        if "." not in effect.name:
+            assert f"  {effect.name}: {effect.what}"[:70] in out
+    text = " ".join(out.split())
+    assert "half_width (m), length (m), baffles = 0, clear_half_width (m) = none" in text
+    assert "index, index_outside = 1.0" in text
+
+
+@pytest.mark.parametrize(
+    ("label", "kind", "cls"),
+    [(c.label, k, c) for g in (SOURCES, ELEMENTS, SURFACES, DETECTORS) for k, c in g.items()],
+)
+def test_a_kind_is_described(label, kind, cls, run):
+    status, out, err = run("kinds", kind)
+    assert (status, err) == (0, "")
+    assert max(map(len, out.splitlines())) <= 80
+    assert out.startswith(f"{kind}  {label}\n")
+    text = " ".join(out.split())
+    head = cls.__doc__.partition("\n\n")[0].replace("`", "")
+    assert " ".join(head.split()) in text
+    rows = {line.split()[0]: line.split() for line in out.splitlines() if line[:1].strip()}
+    for name, parameter in parameters_of(cls).items():
+        if parameter.unit:
+            assert rows[name][1] == parameter.unit
+        default = default_of(cls, name)
+        shown = {dataclasses.MISSING: "required", None: "none"}.get(default, show(default))
+        at = 2 if parameter.unit else 1
+        assert " ".join(rows[name][at:]).startswith(shown + " ")
+    if not parameters_of(cls):
+        assert "It takes no parameters." in out
+
+
+def test_an_effect_is_described(run):
+    assert run("kinds", "roulette")[1].startswith("roulette  effect\n")
+
+
+def test_a_kind_that_does_not_exist(run):
+    status, out, err = run("kinds", "spher")
+    assert (status, out) == (2, "")
+    assert len(err.splitlines()) == 1
+    assert err.startswith('KIND: found "spher", expected one of sources: isotropic-point, ')
+    assert "did you mean sphere?" in err
+    for kind in (*SOURCES, *ELEMENTS, *SURFACES):
+        assert kind in err
+
+
+def test_every_verb_is_a_module_with_its_two_functions():
+    for name, does, module in VERBS:
+        verb = importlib.import_module(module)
+        assert module == f"photizon_cl.cli.{name}"
+        assert callable(verb.add_arguments)
+        assert callable(verb.call)
+        assert does
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["run", "x", "--seed", "q"]])
+def test_help_and_bad_arguments_import_next_to_nothing(arguments, run_python):
+    code = f"""
+import sys
+from photizon_cl.cli.main import main
+main({arguments!r})
+heavy = {{"numpy", "rich", "mako", "pyopencl", "matplotlib", "xarray"}} & set(sys.modules)
+assert not heavy, heavy
+verbs = {{m for m in sys.modules if m.startswith("photizon_cl.cli.")}}
+assert verbs <= {{f"photizon_cl.cli.{{n}}" for n in ("main", "run", "arguments")}}, verbs
+"""
+    run_python(code)

@@ -11,7 +11,7 @@ import xarray as xr
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
-from photizon_cl.result import directory as result_directory
+from photizon_cl.run import directory as result_directory
 from photizon_cl.scene.files import load
 from photizon_cl.views.figures import figure_names
 
@@ -198,7 +198,7 @@ def test_a_failed_write_leaves_the_old_result(room, sphere, tmp_path, monkeypatc
     def fail(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("photizon_cl.result.directory.write_arrays", fail)
+    monkeypatch.setattr("photizon_cl.run.directory.write_arrays", fail)
     with pytest.raises(pz.ResultError, match="No space left on device"):
         sphere.save(tmp_path, figures=False)
     assert pz.open_result(tmp_path).tally_digest == room.tally_digest

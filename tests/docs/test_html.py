@@ -14,7 +14,7 @@ from photizon_docs.tables import GROUPS
 import photizon_cl as pz
 from photizon_cl.cli.main import main
 from photizon_cl.scene.parameters import positive_length
-from photizon_cl.scene.sources import CosinePoint
+from photizon_cl.scene.sources.cosine_point import CosinePoint
 
 
 def test_it_builds_without_a_warning(build):
@@ -71,7 +71,7 @@ def test_a_new_kind_gets_a_page_by_itself(monkeypatch):
         kind: ClassVar[str] = "novel"
         waist: float = field(metadata=positive_length("width of the waist"))
 
-    from photizon_cl.scene.model import registry
+    from photizon_cl.scene import registry
 
     monkeypatch.setitem(registry.SOURCES, "novel", Novel)
     monkeypatch.setattr(pz, "Novel", Novel, raising=False)

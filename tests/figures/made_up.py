@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.result.result import Result, RunInfo
+from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.statistics import Accumulator, complete
 from photizon_cl.result.stopping import Goal
+from photizon_cl.run.result import Result
 from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:

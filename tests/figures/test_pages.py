@@ -11,8 +11,8 @@ import pytest
 from made_up import make, poisson, rectangle, tables
 from matplotlib.text import Text
 
-from photizon_cl.cli.run import print_result
-from photizon_cl.cli.show import console
+from photizon_cl.cli.outcome import print_result
+from photizon_cl.cli.tables import console
 from photizon_cl.errors import ArgumentError
 from photizon_cl.views.figures import (
     FIGURES,

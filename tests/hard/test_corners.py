@@ -26,11 +26,14 @@ from oracles.engine import PLAN, open_device, trace_compiled, with_tree
 
 from hostcode.run.probe import LEFT_PLUS, element_of, follow_rays, probe_faces
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.scene.elements import Disk, Rectangle, Sphere
+from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
 from photizon_cl.scene.model import Scene
-from photizon_cl.scene.sources import CollimatedDisk
-from photizon_cl.scene.surfaces import Lambertian, Mirror
+from photizon_cl.scene.sources.collimated_disk import CollimatedDisk
+from photizon_cl.scene.surfaces.lambertian import Lambertian
+from photizon_cl.scene.surfaces.mirror import Mirror
 from photizon_cl.stability.families_mixed import room
 from photizon_cl.stability.measure import compile_elements
 

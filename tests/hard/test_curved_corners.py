@@ -11,7 +11,9 @@ from oracles import gates
 from oracles.curved import leaks_of, rays_in
 from oracles.regions import REGIONS, made
 
-from photizon_cl.scene.surfaces import Fresnel, Lambertian, Mirror
+from photizon_cl.scene.surfaces.fresnel import Fresnel
+from photizon_cl.scene.surfaces.lambertian import Lambertian
+from photizon_cl.scene.surfaces.mirror import Mirror
 
 if TYPE_CHECKING:
     from oracles.curved import Region

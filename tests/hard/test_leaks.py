@@ -13,7 +13,8 @@ from oracles.walks import LENSES, PLACES, SILVER, TILT, WHITE, U, follow, unit
 
 from benchmarks.leaks import closed_bodies
 from hostcode.run.probe import NO_FACE
-from photizon_cl.scene.elements import BaffledTube, Biconvex
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.biconvex import Biconvex
 from photizon_cl.scene.frames import frame
 from photizon_cl.stability.families_mixed import room
 

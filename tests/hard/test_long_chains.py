@@ -9,8 +9,13 @@ import numpy as np
 import pytest
 from oracles.walks import LENSES, PLACES, SILVER, U, follow, unit
 
-from photizon_cl.scene.elements import BaffledTube, Biconvex, Cpc, Disk, PlanoConvex, Sphere
-from photizon_cl.scene.surfaces import Fresnel
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cpc import Cpc
+from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.plano_convex import PlanoConvex
+from photizon_cl.scene.elements.sphere import Sphere
+from photizon_cl.scene.surfaces.fresnel import Fresnel
 from photizon_cl.stability.families_mixed import room
 
 if TYPE_CHECKING:

@@ -10,12 +10,16 @@ import pytest
 from oracles.corners import box, entered, named, prism, rays_from_outside
 
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.scene.elements import BaffledTube, Rectangle, Sphere
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.settings import RunSettings
-from photizon_cl.scene.sources import IsotropicPoint
-from photizon_cl.scene.surfaces import Absorber, Lambertian, Mirror
+from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
+from photizon_cl.scene.surfaces.absorber import Absorber
+from photizon_cl.scene.surfaces.lambertian import Lambertian
+from photizon_cl.scene.surfaces.mirror import Mirror
 from photizon_cl.stability.families_mixed import room
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ import pytest
 from oracles import chance, gates, kernels
 from oracles.scenes import matt
 
-from hostcode.program import build, templates
+from hostcode import templates
+from hostcode.program import build
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from oracles.corners import across, box, named
-from photizon_cl.scene.elements import Sphere
+from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
-from photizon_cl.scene.surfaces import Absorber
+from photizon_cl.scene.surfaces.absorber import Absorber
 from photizon_cl.stability.families_mixed import room
 
 if TYPE_CHECKING:

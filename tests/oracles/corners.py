@@ -10,7 +10,7 @@ import numpy as np
 
 from hostcode.run.probe import follow_rays
 from oracles.engine import open_device
-from photizon_cl.scene.elements import Rectangle
+from photizon_cl.scene.elements.rectangle import Rectangle
 from photizon_cl.scene.frames import AXES, frame
 from photizon_cl.stability.families_mixed import room
 from photizon_cl.stability.measure import compile_elements

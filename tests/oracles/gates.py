@@ -28,7 +28,7 @@ from oracles.kernels import run_text
 from oracles.scenes import BLACK, beam, cube, glass, matt, mirror, wall
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.scene.files import load
-from photizon_cl.scene.surfaces import Mirror
+from photizon_cl.scene.surfaces.mirror import Mirror
 
 if TYPE_CHECKING:
     from oracles.engine import Traced

@@ -9,7 +9,7 @@ import numpy as np
 
 from hostcode.program.build import OPTIONS
 from hostcode.program.source import program_source
-from hostcode.program.templates import lane, render
+from hostcode.templates import lane, render
 from oracles.engine import open_device
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ import numpy as np
 
 from hostcode.run.probe import follow_rays
 from oracles.engine import open_device
-from photizon_cl.scene.surfaces import Lambertian, Mirror
+from photizon_cl.scene.surfaces.lambertian import Lambertian
+from photizon_cl.scene.surfaces.mirror import Mirror
 from photizon_cl.stability.measure import compile_elements
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from hostcode.program.plan import ExecutionPlan
 from hostcode.run.paths import trace_paths
 from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.run.pathing import ENDINGS
+from photizon_cl.result.paths import ENDINGS
 
 RAYS = 40
 GOES_ON, ABSORBED, ESCAPED, CAPPED, KILLED, NOT_FOLLOWED = range(len(ENDINGS))

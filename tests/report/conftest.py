@@ -35,7 +35,7 @@ def results():
 @pytest.fixture(scope="session")
 def pages(results, tmp_path_factory):
     """Return the path of each result's report."""
-    from photizon_cl.views.report import write_report
+    from photizon_cl.run.report import write_report
 
     written = {}
     for name, result in results.items():

@@ -119,7 +119,7 @@ def test_a_page_that_cannot_be_written_leaves_no_trace(saved, capsys, monkeypatc
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("photizon_cl.views.report.writing.os.replace", full)
+    monkeypatch.setattr("photizon_cl.atomic.os.replace", full)
     (saved / "figures").mkdir()
     before = listing(saved)
     err = refused(capsys, saved)

@@ -8,8 +8,8 @@ from html.parser import HTMLParser
 import pytest
 
 from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
+from photizon_cl.result.text import with_error
 from photizon_cl.views.report import figures, page
-from photizon_cl.views.text import with_error
 
 NAMES = ("room", "sphere", "hostile", "capped", "single", "empty")
 
@@ -218,7 +218,7 @@ def test_the_largest_map_fits(tmp_path):
     from report_scenes import plate, scene
 
     import photizon_cl as pz
-    from photizon_cl.views.report import write_report
+    from photizon_cl.run.report import write_report
 
     big = scene("big", element=[plate("t", detector={"map": [2048, 2048]})])
     result = pz.trace(pz.load(big), batches=6, rays_per_batch=2**22)

@@ -16,7 +16,7 @@ import pytest
 
 import photizon_cl as pz
 from photizon_cl.atomic import TEMPORARY
-from photizon_cl.result.directory import unfinished
+from photizon_cl.run.directory import unfinished
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import json
+import shutil
 import zlib
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +15,7 @@ import photizon_cl as pz
 from photizon_cl.cli.main import main
 from photizon_cl.result import engine as module
 
+ROOT = Path(__file__).resolve().parents[2]
 RUN = {"batches": 3, "rays_per_batch": 1024, "seed": 7}
 
 
@@ -154,7 +157,7 @@ def test_nothing_of_a_token_reaches_the_terminal_raw(sphere):
 def test_batches_of_two_engines_are_not_mixed(sphere, tmp_path, monkeypatch):
     sphere.save(tmp_path, figures=False)
     old = sphere.info.engine
-    monkeypatch.setattr("photizon_cl.run.simulation.engine_digest", lambda: "0123456789abcdef")
+    monkeypatch.setattr("photizon_cl.run.batches.engine_digest", lambda: "0123456789abcdef")
     with pytest.raises(pz.ResultError, match="are not mixed"):
         pz.resume(tmp_path, batches=5)
     # the recipe of a result names the engine that made it, whichever is installed
@@ -162,17 +165,48 @@ def test_batches_of_two_engines_are_not_mixed(sphere, tmp_path, monkeypatch):
     assert pz.Recipe.of(pz.open_result(tmp_path)).engine == old
 
 
-def test_the_engine_digest_follows_every_kernel(tmp_path, monkeypatch):
-    before = module.engine_digest()
-    for path in module.kernels_dir().rglob("*.mako"):
-        copy = tmp_path / path.relative_to(module.kernels_dir())
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_bytes(path.read_bytes())
-    monkeypatch.setattr(module, "kernels_dir", lambda: tmp_path)
-    assert module.engine_digest.__wrapped__() == before
-    changed = tmp_path / "surfaces" / "mirror.mako"
-    changed.write_text(changed.read_text() + "// \n")
-    assert module.engine_digest.__wrapped__() != before
+@pytest.fixture
+def sources(tmp_path):
+    """Return copies of the three folders that the engine digest looks into, and the digest."""
+    for name in ("kernels", "hostcode", "photizon_cl"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+
+    def digest():
+        return module._digest(*(tmp_path / n for n in ("kernels", "hostcode", "photizon_cl")))
+
+    assert digest() == module.engine_digest()
+    return tmp_path, digest
+
+
+BITS = (
+    "kernels/lib", "kernels/surfaces", "hostcode", "hostcode/program", "hostcode/run",
+    "photizon_cl/scene", "photizon_cl/scene/elements", "photizon_cl/geometry",
+    "photizon_cl/compile", "photizon_cl/compile/effects", "photizon_cl/result",
+)  # fmt: skip
+"""Folders that decide bits."""
+
+
+@pytest.mark.parametrize("folder", BITS)
+def test_the_engine_digest_follows_every_file(folder, sources):
+    root, digest = sources
+    suffix = ".mako" if folder.startswith("kernels") else ".py"
+    before = digest()
+    added = root / folder / f"added{suffix}"
+    added.write_text("")
+    assert digest() != before
+    added.unlink()
+    assert digest() == before
+    changed = min((root / folder).glob(f"*{suffix}"))
+    changed.write_text(changed.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    assert digest() != before
+
+
+@pytest.mark.parametrize("folder", ["hostcode/device", "photizon_cl/views", "photizon_cl/cli"])
+def test_the_engine_digest_leaves_out_what_decides_no_bit(folder, sources):
+    root, digest = sources
+    before = digest()
+    (root / folder / "added.py").write_text("")
+    assert digest() == before
 
 
 def test_command_line(sphere, tmp_path, capsys):

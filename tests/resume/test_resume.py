@@ -13,9 +13,9 @@ import photizon_cl as pz
 from hostcode.program.plan import ExecutionPlan
 from photizon_cl.atomic import TEMPORARY, Lock
 from photizon_cl.cli.main import main
-from photizon_cl.result.directory import CHECKPOINT
 from photizon_cl.result.stopping import History
 from photizon_cl.run import checkpoint
+from photizon_cl.run.directory import CHECKPOINT
 
 SCENE, RAYS = "box-room", 2048
 EACH = ExecutionPlan(lanes=8, items=4, wave_rays=RAYS)  # a wave for each batch
@@ -74,7 +74,7 @@ def test_killed_before_the_first_batch(whole, tmp_path, monkeypatch):
         raise KilledError
 
     with monkeypatch.context() as patch:
-        patch.setattr("photizon_cl.run.simulation.Local", never)
+        patch.setattr("photizon_cl.run.batches.Local", never)
         with pytest.raises(KilledError):
             pz.trace(SCENE, rays_per_batch=RAYS, batches=10, checkpoint=tmp_path)
     with pytest.raises(pz.ResultError, match="before its first batch"):
@@ -242,7 +242,7 @@ def test_command_line(whole, tmp_path, capsys):
 def test_bits_flipped_anywhere_are_told(whole, tmp_path, monkeypatch):
     whole.save(tmp_path, figures=False)
     # most places hold what is derived: the run goes on, and its figures would take all the time
-    monkeypatch.setattr("photizon_cl.result.directory._draw", lambda *_: set())
+    monkeypatch.setattr("photizon_cl.run.directory._draw", lambda *_: set())
     data = bytearray((tmp_path / "result.nc").read_bytes())
     told = 0
     for at in range(0, len(data) - 64, len(data) // 60):

@@ -136,7 +136,7 @@ def test_presets_are_listed_and_valid():
         assert scene.name == entry.name
         assert scene.title == entry.title
         assert len(entry.anchor) > 40
-        assert scene.advisories() == []
+        assert pz.advisories(scene) == []
         assert "Anchor:" in scene.notes
     with pytest.raises(KeyError):
         preset_path("../box-room")
@@ -193,7 +193,7 @@ def test_ghost_ladder_faces_the_right_way():
 
 
 def advisories(sources, elements, **run):
-    return pz.Scene("s", sources, elements, run=pz.RunSettings(**run)).advisories()
+    return pz.advisories(pz.Scene("s", sources, elements, run=pz.RunSettings(**run)))
 
 
 def point(x, y, z):

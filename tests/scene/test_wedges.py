@@ -11,8 +11,11 @@ import pytest
 from photizon_cl.geometry.contact import in_contact, note_size
 from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.wedges import edge_factors as factors_of
-from photizon_cl.scene.elements import BaffledTube, Disk, Rectangle, Sphere
-from photizon_cl.scene.surfaces import Mirror
+from photizon_cl.scene.elements.baffled_tube import BaffledTube
+from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.rectangle import Rectangle
+from photizon_cl.scene.elements.sphere import Sphere
+from photizon_cl.scene.surfaces.mirror import Mirror
 from photizon_cl.stability.families_mixed import room
 
 SILVER = Mirror(1.0)

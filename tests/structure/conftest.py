@@ -1,8 +1,8 @@
-"""Makes the shared references importable."""
+"""Makes the shared references importable, and what the tests here share, which lies beside them."""
 
 import pathlib
 import sys
 
-_tests = str(pathlib.Path(__file__).resolve().parents[1])
-if _tests not in sys.path:
-    sys.path.insert(0, _tests)
+for _folder in pathlib.Path(__file__).resolve().parents[:2]:
+    if str(_folder) not in sys.path:
+        sys.path.insert(0, str(_folder))

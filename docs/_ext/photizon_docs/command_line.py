@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from photizon_cl.cli.main import _parser
+from photizon_cl.cli.main import parser as command_parser
 from photizon_docs.tables import table
 
 __all__ = ["command_line"]
@@ -15,10 +15,12 @@ _WIDTH = 88
 
 def command_line() -> str:
     """Return one section for each verb."""
-    parser = _parser()
+    parser = command_parser()
     verbs = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
     rows = [(f"[`{c.dest}`](#verb-{c.dest})", c.help or "") for c in verbs._choices_actions]
     parts = [table(("verb", "does"), rows)]
+    for made in verbs.choices.values():
+        made.fill()
     parts += [_verb(name, made) for name, made in verbs.choices.items()]
     return "\n".join(parts)
 

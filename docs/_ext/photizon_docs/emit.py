@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
-from photizon_cl.scene.described import Described, parameters_of
+from photizon_cl.scene.described import Described, default_of, parameters_of
 from photizon_cl.scene.model import SCHEMA, Scene
 
-__all__ = ["as_python", "as_toml", "default_of"]
+__all__ = ["as_python", "as_toml"]
 
 _WIDTH = 88
-
-
-def default_of(cls: type[Described], name: str) -> Any:
-    """Return the default of a parameter; `dataclasses.MISSING` where it is required."""
-    entry = next(f for f in dataclasses.fields(cls) if f.name == name)  # type: ignore[arg-type]
-    if entry.default_factory is not dataclasses.MISSING:
-        return entry.default_factory()
-    return entry.default
 
 
 def _given(item: Described) -> dict[str, Any]:

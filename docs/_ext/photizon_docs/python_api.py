@@ -17,10 +17,10 @@ _BESIDES = (
     ("photizon_cl.result.ledger", "Ledger"),
     ("photizon_cl.result.ledger", "Estimate"),
     ("photizon_cl.result.ledger", "Roulette"),
-    ("photizon_cl.result.result", "RunInfo"),
+    ("photizon_cl.result.estimates", "RunInfo"),
     ("photizon_cl.run.progress", "Progress"),
     ("photizon_cl.run.probing", "ProbeResult"),
-    ("photizon_cl.run.pathing", "Polyline"),
+    ("photizon_cl.result.paths", "Polyline"),
     ("photizon_cl.errors", "Problem"),
 )
 """Classes that are not public by name but are what public calls give."""
@@ -43,18 +43,20 @@ def python_api() -> str:
             else:
                 (scene if issubclass(item, Described) else results).append(name)
         elif inspect.ismodule(item):
-            modules.append(item)
+            modules.append((name, item))
         elif callable(item):
             verbs.append(name)
     parts = ["## What to call\n", *(_function(name) for name in sorted(verbs))]
-    parts += ["## What comes out\n", *(_class("photizon_cl", name) for name in results)]
+    parts += [
+        "## What comes out\n",
+        *(_class("photizon_cl", name, inherited=True) for name in results),
+    ]
     parts += [_class(module, name) for module, name in _BESIDES]
-    for module in modules:
-        short = module.__name__.removeprefix("photizon_cl.")
-        parts += [f"## pz.{short}\n", f"{inspect.getdoc(module).splitlines()[0]}\n"]
-        parts += [f"```{{eval-rst}}\n.. py:module:: {module.__name__}\n```\n"]
+    for name, module in modules:
+        parts += [f"## pz.{name}\n", f"{inspect.getdoc(module).splitlines()[0]}\n"]
+        parts += [f"```{{eval-rst}}\n.. py:module:: photizon_cl.{name}\n```\n"]
         called = [n for n in module.__all__ if inspect.isfunction(getattr(module, n))]
-        parts += [_function(f"{short}.{n}") for n in called]
+        parts += [_function(f"{name}.{n}") for n in called]
     parts += ["## What goes in\n", _SEE]
     parts += [_class("photizon_cl", name) for name in scene]
     parts += ["## What can go wrong\n", *(_class("photizon_cl", name) for name in errors)]
@@ -65,5 +67,6 @@ def _function(name: str) -> str:
     return f"```{{eval-rst}}\n.. autofunction:: photizon_cl.{name}\n```\n"
 
 
-def _class(module: str, name: str) -> str:
-    return f"```{{eval-rst}}\n.. autoclass:: {module}.{name}\n   :members:\n```\n"
+def _class(module: str, name: str, *, inherited: bool = False) -> str:
+    more = "   :inherited-members:\n" if inherited else ""
+    return f"```{{eval-rst}}\n.. autoclass:: {module}.{name}\n   :members:\n{more}```\n"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
-from photizon_cl.scene.described import Nested, NestedList, parameters_of
+from photizon_cl.scene.described import Nested, NestedList, default_of, parameters_of
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.frames import AXES, frame
 from photizon_cl.scene.model import Scene
@@ -16,7 +16,6 @@ from photizon_cl.scene.presets import presets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
 from photizon_cl.scene.settings import FarField, RunSettings
 from photizon_cl.scene.sources import DirectedSource
-from photizon_docs.emit import default_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping

@@ -117,6 +117,6 @@ class DirectedSource(Source):
         return frame(self.axis, self.tilt_deg)
 
 
-def disk_area(radius: float) -> float:
+def circle_area(radius: float) -> float:
     """Return πr² in m²."""
     return math.pi * radius * radius

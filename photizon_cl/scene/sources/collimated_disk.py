@@ -8,7 +8,7 @@ from typing import ClassVar
 from photizon_cl.scene.faces import Circular, Plane
 from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.rows import Row
-from photizon_cl.scene.sources.base import DirectedSource, disk_area
+from photizon_cl.scene.sources.base import DirectedSource, circle_area
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +44,7 @@ class CollimatedDisk(DirectedSource):
     @property
     def area(self) -> float:
         """Cross-section of the beam πr² in m²."""
-        return disk_area(self.radius)
+        return circle_area(self.radius)
 
     @property
     def irradiance(self) -> float:

@@ -9,7 +9,7 @@ from typing import ClassVar
 from photizon_cl.scene.faces import Circular, Plane
 from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.rows import Row
-from photizon_cl.scene.sources.base import DirectedSource, disk_area
+from photizon_cl.scene.sources.base import DirectedSource, circle_area
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +45,7 @@ class LambertianDisk(DirectedSource):
     @property
     def area(self) -> float:
         """Emitting area πr² in m²."""
-        return disk_area(self.radius)
+        return circle_area(self.radius)
 
     @property
     def radiant_exitance(self) -> float:

@@ -1,9 +1,5 @@
-"""Surfaces: what a ray that hits an element does. One class a file."""
+"""Surfaces: what a ray that hits an element does. One class a file, listed in the registry."""
 
-from photizon_cl.scene.surfaces.absorber import Absorber
 from photizon_cl.scene.surfaces.base import Surface
-from photizon_cl.scene.surfaces.fresnel import Fresnel
-from photizon_cl.scene.surfaces.lambertian import Lambertian
-from photizon_cl.scene.surfaces.mirror import Mirror
 
-__all__ = ["Absorber", "Fresnel", "Lambertian", "Mirror", "Surface"]
+__all__ = ["Surface"]

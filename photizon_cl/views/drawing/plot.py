@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from photizon_cl.run.pathing import Paths
+    from photizon_cl.result.paths import Paths
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
 

@@ -12,7 +12,7 @@ from photizon_cl.geometry.outlines import edges
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from photizon_cl.run.pathing import Paths
+    from photizon_cl.result.paths import Paths
     from photizon_cl.scene.model import Scene
 
 __all__ = [

@@ -26,18 +26,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = ["draw_convergence", "history"]
 
 
-def history(result: Result) -> NDArray[Any]:
+def history(result: Estimates) -> NDArray[Any]:
     """Return a result's waves: a structured array, empty where none are kept."""
     return result.history
 
 
 @styled
-def draw_convergence(result: Result) -> Figure:
+def draw_convergence(result: Estimates) -> Figure:
     """Draw σ against rays and against seconds.
 
     Each point is what the run had after a wave of batches, as it was. The dashed line through the

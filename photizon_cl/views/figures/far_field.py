@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.maps import FarFieldResult
-    from photizon_cl.result.result import Result
 
 __all__ = ["draw_far_field", "draw_far_field_cuts"]
 
@@ -44,7 +44,7 @@ _THIN: Final = 0.5
 
 
 @styled
-def draw_far_field(result: Result) -> Figure:
+def draw_far_field(result: Estimates) -> Figure:
     """Draw the intensity of what escaped over φ and cos θ.
 
     All bins have the same solid angle, so that equal areas on paper are equal solid angles. Bins
@@ -87,7 +87,7 @@ def _notes(far: FarFieldResult) -> list[str]:
 
 
 @styled
-def draw_far_field_cuts(result: Result, planes: Sequence[float] = (0.0, 90.0)) -> Figure:
+def draw_far_field_cuts(result: Estimates, planes: Sequence[float] = (0.0, 90.0)) -> Figure:
     """Draw polar cuts through the far field, with bands of ±σ.
 
     A cut holds the bins around the half plane φ on its right and those around φ + 180° on its
@@ -166,7 +166,7 @@ def draw_far_field_cuts(result: Result, planes: Sequence[float] = (0.0, 90.0)) -
     return page.figure
 
 
-def _far(result: Result) -> FarFieldResult:
+def _far(result: Estimates) -> FarFieldResult:
     if result.far_field is None:
         raise ArgumentError("the scene has no far field: add a [far_field] table to it")
     return result.far_field

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.maps import Rung
-    from photizon_cl.result.result import Result
 
 __all__ = ["draw_ladder"]
 
@@ -30,7 +30,7 @@ _DEEPEST: Final = 1e-18
 
 
 @styled
-def draw_ladder(result: Result, element: str) -> Figure:
+def draw_ladder(result: Estimates, element: str) -> Figure:
     """Draw a detector's power by the number of surface interactions before the arrival.
 
     Entries with fewer than 10 arrivals are open bars; entries without any have none. The last entry

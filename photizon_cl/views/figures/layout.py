@@ -14,8 +14,8 @@ from photizon_cl.views.figures.style import SMALL, sheet, styled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from photizon_cl.result.result import Result
-    from photizon_cl.run.pathing import Paths
+    from photizon_cl.result.estimates import Estimates
+    from photizon_cl.result.paths import Paths
 
 __all__ = ["MOST_ELEMENTS", "draw_layout"]
 
@@ -24,7 +24,7 @@ MOST_ELEMENTS: Final = 500
 
 
 @styled
-def draw_layout(result: Result, paths: Paths | None = None) -> Figure:
+def draw_layout(result: Estimates, paths: Paths | None = None) -> Figure:
     """Draw three sections through the scene's centre, to scale.
 
     Solid lines are where the plane of a section cuts an element; thin grey ones are its edges seen

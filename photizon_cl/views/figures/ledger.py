@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from photizon_cl.result.text import with_error
 from photizon_cl.views.figures.style import (
     BLUE,
     GRID,
@@ -21,13 +22,12 @@ from photizon_cl.views.figures.style import (
     styled,
 )
 from photizon_cl.views.figures.words import escaped, fitted, parts_of
-from photizon_cl.views.text import with_error
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = ["draw_ledger"]
 
@@ -49,7 +49,7 @@ class Row:
 
 
 @styled
-def draw_ledger(result: Result) -> Figure:
+def draw_ledger(result: Estimates) -> Figure:
     """Draw the ledger's rows as bars on a logarithmic axis, with their standard errors.
 
     The 24 elements that absorb most have rows of their own where a scene has more; the others stand
@@ -88,7 +88,7 @@ def draw_ledger(result: Result) -> Figure:
     return page.figure
 
 
-def rows(result: Result) -> list[Row]:
+def rows(result: Estimates) -> list[Row]:
     """Return the rows to draw, at most 24 of elements and one for the rest."""
     absorbed = list(result.ledger.absorbed.items())
     others = result.ledger.rows()[len(absorbed) :]

@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.maps import IrradianceMap
-    from photizon_cl.result.result import Result
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = ["draw_irradiance", "draw_relative_sigma"]
 
 
 @styled
-def draw_irradiance(result: Result, element: str) -> Figure:
+def draw_irradiance(result: Estimates, element: str) -> Figure:
     """Draw a detector's irradiance map.
 
     Every bin has the colour of its own value. Bins with fewer than 10 arrivals are hatched instead;
@@ -58,7 +58,7 @@ def draw_irradiance(result: Result, element: str) -> Figure:
 
 
 @styled
-def draw_relative_sigma(result: Result, element: str) -> Figure:
+def draw_relative_sigma(result: Estimates, element: str) -> Figure:
     """Draw the relative standard error of each bin of a detector's map.
 
     Bins without a value, and every bin after a single batch, are grey. Bins with fewer than 10
@@ -157,7 +157,7 @@ def amounts(
         bar.set_ticks([])  # nothing is coloured: a scale would be made up
 
 
-def _map(result: Result, element: str) -> IrradianceMap:
+def _map(result: Estimates, element: str) -> IrradianceMap:
     detector = result.detectors.get(element)
     if detector is None or detector.map is None:
         have = [name for name, d in result.detectors.items() if d.map is not None]
@@ -169,7 +169,7 @@ def _map(result: Result, element: str) -> IrradianceMap:
 
 
 def _frame(
-    result: Result, element: str, m: IrradianceMap, what: str, notes: list[str] | None = None
+    result: Estimates, element: str, m: IrradianceMap, what: str, notes: list[str] | None = None
 ) -> tuple[Page, Axes, Axes, NDArray[np.float64], NDArray[np.float64]]:
     """Return the page, axes for map and colour bar, and the edges as drawn."""
     across, up = m.bins.x.axis, m.bins.y.axis

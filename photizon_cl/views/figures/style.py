@@ -17,14 +17,14 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from photizon_cl.result.text import lit_percent
 from photizon_cl.views.figures.words import fitted, percent, wrapped
-from photizon_cl.views.text import lit_percent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = [
     "BLUE",
@@ -145,7 +145,11 @@ class Page:
 
 
 def sheet(
-    result: Result, what: str, body: float, notes: list[str] | None = None, lit: float | None = None
+    result: Estimates,
+    what: str,
+    body: float,
+    notes: list[str] | None = None,
+    lit: float | None = None,
 ) -> Page:
     """Begin a figure.
 
@@ -200,7 +204,7 @@ def sheet(
     return Page(figure, height, foot, height - head - foot)
 
 
-def _state(result: Result) -> str:
+def _state(result: Estimates) -> str:
     """Return N and the σ achieved."""
     batches = "1 batch" if result.batches == 1 else f"{result.batches:,} batches"
     achieved = result.achieved_sigma

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = ["FIGURES", "Kind", "draw_all", "figure_names", "write_all"]
 
@@ -45,30 +45,30 @@ class Kind:
 
     stem: str
     draw: Callable[..., Figure]
-    subjects: Callable[[Result], list[tuple[str, ...]]]
+    subjects: Callable[[Estimates], list[tuple[str, ...]]]
 
 
-def _once(_: Result) -> list[tuple[str, ...]]:
+def _once(_: Estimates) -> list[tuple[str, ...]]:
     return [()]
 
 
-def _small(result: Result) -> list[tuple[str, ...]]:
+def _small(result: Estimates) -> list[tuple[str, ...]]:
     return [()] if len(result.scene.element) <= MOST_ELEMENTS else []
 
 
-def _with_history(result: Result) -> list[tuple[str, ...]]:
+def _with_history(result: Estimates) -> list[tuple[str, ...]]:
     return [()] if len(history(result)) else []
 
 
-def _with_map(result: Result) -> list[tuple[str, ...]]:
+def _with_map(result: Estimates) -> list[tuple[str, ...]]:
     return [(name,) for name, d in result.detectors.items() if d.map is not None]
 
 
-def _with_ladder(result: Result) -> list[tuple[str, ...]]:
+def _with_ladder(result: Estimates) -> list[tuple[str, ...]]:
     return [(name,) for name, d in result.detectors.items() if d.ladder is not None]
 
 
-def _with_far_field(result: Result) -> list[tuple[str, ...]]:
+def _with_far_field(result: Estimates) -> list[tuple[str, ...]]:
     return [()] if result.far_field is not None else []
 
 
@@ -86,7 +86,7 @@ FIGURES: Final = (
 
 
 def draw_all(
-    result: Result, formats: str | Sequence[str] = ("png",)
+    result: Estimates, formats: str | Sequence[str] = ("png",)
 ) -> Iterator[tuple[str, Callable[[Path], None]]]:
     """Give each figure's file name and a function that draws it into a file.
 
@@ -123,7 +123,7 @@ def draw_all(
 
 
 def write_all(
-    result: Result, folder: str | os.PathLike[str], formats: str | Sequence[str] = ("png",)
+    result: Estimates, folder: str | os.PathLike[str], formats: str | Sequence[str] = ("png",)
 ) -> list[Path]:
     """Draw every figure of a result into files, and return these.
 
@@ -150,6 +150,6 @@ def write_all(
     return written
 
 
-def figure_names(result: Result, formats: str | Sequence[str] = ("png",)) -> list[str]:
+def figure_names(result: Estimates, formats: str | Sequence[str] = ("png",)) -> list[str]:
     """Return the file names of a result's figures, see `draw_all`."""
     return [name for name, _ in draw_all(result, formats)]

@@ -4,7 +4,3 @@
 with the text that stands in for them, `page` puts them into ``page.mako``, and `writing` writes the
 file. `notebook` renders the short form that notebooks show.
 """
-
-from photizon_cl.views.report.writing import Written, write_report
-
-__all__ = ["Written", "write_report"]

@@ -15,7 +15,7 @@ from photizon_cl.views.report.story import judged_by
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = ["claims"]
 
@@ -23,7 +23,7 @@ _MOST_NAMES: Final = 5
 _DARK: Final = 3.0  # arrivals that are expected at most, at 95 %, where none was seen
 
 
-def claims(result: Result) -> list[Markup]:
+def claims(result: Estimates) -> list[Markup]:
     """Return one statement for each thing that the result does not say."""
     return [
         *_statistics(result),
@@ -34,7 +34,7 @@ def claims(result: Result) -> list[Markup]:
     ]
 
 
-def _statistics(result: Result) -> Iterator[Markup]:
+def _statistics(result: Estimates) -> Iterator[Markup]:
     yield Markup(
         "<strong>Statistical error only.</strong> σ says how well the question was computed, not "
         "how well it was asked: dimensions, reflectances and the flux of the sources are taken "
@@ -69,7 +69,7 @@ def _statistics(result: Result) -> Iterator[Markup]:
         )
 
 
-def _counts(result: Result) -> Iterator[Markup]:
+def _counts(result: Estimates) -> Iterator[Markup]:
     hatched = sum(
         int(np.count_nonzero(d.map.hatched)) for d in result.detectors.values() if d.map is not None
     )
@@ -89,7 +89,7 @@ def _counts(result: Result) -> Iterator[Markup]:
         )
 
 
-def _dark(result: Result) -> Iterator[Markup]:
+def _dark(result: Estimates) -> Iterator[Markup]:
     dark = [name for name, d in result.detectors.items() if d.power.count == 0]
     if not dark:
         return
@@ -103,7 +103,7 @@ def _dark(result: Result) -> Iterator[Markup]:
     ).format(names, amount(bound, 2))
 
 
-def _bias(result: Result) -> Iterator[Markup]:
+def _bias(result: Estimates) -> Iterator[Markup]:
     ledger = result.ledger
     capped = ledger.depth_capped
     if capped.value > 0.0:
@@ -128,7 +128,7 @@ def _bias(result: Result) -> Iterator[Markup]:
         ).format(brief(balance.value, balance.sigma, "W"))
 
 
-def _physics(result: Result) -> Iterator[Markup]:
+def _physics(result: Estimates) -> Iterator[Markup]:
     yield Markup(
         "<strong>Incoherent geometrical optics.</strong> Rays carry power and no phase: no "
         "interference, no diffraction. Where features are of the size of a wavelength the answer "

@@ -14,7 +14,7 @@ from photizon_cl.views.report.words import describe
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = ["MOST_BYTES", "Drawing", "Figures", "draw", "drawings"]
 
@@ -25,7 +25,7 @@ _LEAST_ROOM: Final = 15_000  # below this a page is full, since no figure is tha
 _FIRST: Final = ("layout", "ledger", "map", "far-field", "ladder", "convergence")
 
 
-def drawings(result: Result) -> Iterator[tuple[str, str, str, Callable[[Path], None]]]:
+def drawings(result: Estimates) -> Iterator[tuple[str, str, str, Callable[[Path], None]]]:
     """Give kind, element and file name of each figure, and a function that draws it into a file.
 
     The one place that knows where figures are drawn. The element is empty where a figure is about
@@ -103,14 +103,14 @@ class Figures:
         return [d for d in self.drawn if d.kind in kinds and d.element == element]
 
 
-def draw(result: Result, there: Collection[str] = (), most_bytes: int = MOST_BYTES) -> Figures:
+def draw(result: Estimates, there: Collection[str] = (), most_bytes: int = MOST_BYTES) -> Figures:
     """Draw the figures of a result.
 
     Where there is not room for all, the answer comes before its errors and cuts.
 
     Parameters
     ----------
-    result : Result
+    result : Estimates
         The result.
     there : collection of str, optional
         File names of figures that need not be drawn once the page is full.

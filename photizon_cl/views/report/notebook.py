@@ -10,19 +10,19 @@ from markupsafe import Markup
 from photizon_cl.errors import ArgumentError, PhotizonError, show
 from photizon_cl.views.report.numbers import integer, percent
 from photizon_cl.views.report.page import lookup
-from photizon_cl.views.report.tables import detector_table, ledger_rows, ledger_table
+from photizon_cl.views.report.tables import detector_table, ledger_table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = ["data_frame", "html"]
 
 _MOST_ROWS: Final = 30  # of a table in a notebook
 
 
-def html(result: Result) -> str:
+def html(result: Estimates) -> str:
     """Return a header line, the ledger and the detectors as HTML."""
     achieved = result.achieved_sigma
     sigma = "unknown" if achieved is None else percent(achieved)
@@ -54,10 +54,10 @@ def html(result: Result) -> str:
     return text.strip()
 
 
-def data_frame(result: Result, detector: str | None = None) -> pd.DataFrame:
-    """Return the ledger, or a detector's ladder, see `Result.to_dataframe`."""
+def data_frame(result: Estimates, detector: str | None = None) -> pd.DataFrame:
+    """Return the ledger, or a detector's ladder, see `photizon_cl.Result.to_dataframe`."""
     if detector is None:
-        rows = ledger_rows(result)
+        rows = result.ledger.labelled_rows()
         emitted = result.ledger.emitted.value
         columns: dict[str, list[Any]] = {
             "row": [name for name, _ in rows],

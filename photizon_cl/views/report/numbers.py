@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from markupsafe import Markup, escape
 
-from photizon_cl.views.text import with_error
+from photizon_cl.result.text import with_error
 
 if TYPE_CHECKING:
     from photizon_cl.result.ledger import Estimate

@@ -16,7 +16,7 @@ from photizon_cl.views.report.claims import claims
 from photizon_cl.views.report.numbers import integer
 
 if TYPE_CHECKING:
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.views.report.figures import Drawing, Figures
 
 __all__ = ["GENERATOR", "lookup", "render"]
@@ -55,12 +55,12 @@ class _Section:
     figures: list[Drawing]
 
 
-def render(result: Result, figures: Figures, recipe: str | None) -> str:
+def render(result: Estimates, figures: Figures, recipe: str | None) -> str:
     """Return the page as text.
 
     Parameters
     ----------
-    result : Result
+    result : Estimates
         The result.
     figures : Figures
         Its figures.
@@ -117,7 +117,7 @@ def _on_one_line(found: re.Match[str]) -> str:
     return f"{found[1]}[{' '.join(found[2].split()).rstrip(',')}]"
 
 
-def _sections(result: Result, figures: Figures) -> list[_Section]:
+def _sections(result: Estimates, figures: Figures) -> list[_Section]:
     emitted = result.ledger.emitted.value
     found = []
     for n, (name, detector) in enumerate(result.detectors.items()):

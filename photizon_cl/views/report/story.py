@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final
 from markupsafe import Markup
 
 from photizon_cl.compile.effects.table import EFFECT_ROWS
+from photizon_cl.result.text import lit_percent
 from photizon_cl.views.report.numbers import amount, brief, integer, number, percent, share
 from photizon_cl.views.report.tables import Table
-from photizon_cl.views.text import lit_percent
 
 if TYPE_CHECKING:
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
 
 __all__ = ["effects_tables", "judged_by", "key_figures", "run_table", "summary", "versions_table"]
 
@@ -26,7 +26,7 @@ def _count(number: int, one: str, many: str = "") -> str:
     return f"{integer(number)} {one if number == 1 else many or one + 's'}"
 
 
-def judged_by(result: Result) -> str:
+def judged_by(result: Estimates) -> str:
     """Return what the achieved σ is the median over."""
     if any(d.map is not None for d in result.detectors.values()):
         return "the map bins with at least 10 arrivals"
@@ -35,7 +35,7 @@ def judged_by(result: Result) -> str:
     return "the absorbed and escaped rows of the ledger"
 
 
-def summary(result: Result) -> list[Markup]:
+def summary(result: Estimates) -> list[Markup]:
     """Return the paragraph that says in plain English what was done and what came out."""
     scene, run, ledger = result.scene, result.scene.run, result.ledger
     sources = _count(len(scene.source), "source")
@@ -54,7 +54,7 @@ def summary(result: Result) -> list[Markup]:
     return [text + _where(result), _how_well(result)]
 
 
-def _where(result: Result) -> Markup:
+def _where(result: Estimates) -> Markup:
     """Say where most of the power went."""
     ledger = result.ledger
     rows = [(f"was absorbed by {name}", row) for name, row in ledger.absorbed.items()]
@@ -78,7 +78,7 @@ def _listed(parts: list[Markup]) -> Markup:
     return Markup(", ").join(parts[:-1]) + Markup(" and ") + parts[-1]
 
 
-def _how_well(result: Result) -> Markup:
+def _how_well(result: Estimates) -> Markup:
     achieved, target = result.achieved_sigma, result.target_sigma
     if achieved is None:
         if result.batches == 1:
@@ -101,7 +101,7 @@ def _how_well(result: Result) -> Markup:
     return found + words.format(part)
 
 
-def key_figures(result: Result) -> list[tuple[str, str, str]]:
+def key_figures(result: Estimates) -> list[tuple[str, str, str]]:
     """Return (name, value, remark) of the figures at the top of the page."""
     ledger, info = result.ledger, result.info
     achieved = result.achieved_sigma
@@ -126,14 +126,14 @@ def key_figures(result: Result) -> list[tuple[str, str, str]]:
     return figures
 
 
-def _launched(result: Result) -> str:
+def _launched(result: Estimates) -> str:
     return "by " + _count(len(result.scene.source), "source")
 
 
 # -- how it was run ------------------------------------------------------------------------------
 
 
-def run_table(result: Result) -> Table:
+def run_table(result: Estimates) -> Table:
     """Return how the run was made: stream, goal, device, time, digests."""
     scene, run, info = result.scene, result.scene.run, result.info
     goal = info.goal
@@ -192,7 +192,7 @@ def _named(effect: str) -> Markup:
     return Markup(".<wbr>").join(effect.split("."))
 
 
-def effects_tables(result: Result) -> tuple[Table, Table]:
+def effects_tables(result: Estimates) -> tuple[Table, Table]:
     """Return the effects that were compiled in, and those that were left out."""
     used = result.compiled.effects
     unlisted = sorted(used - set(EFFECT_ROWS))

@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.result.text import lit_percent
 from photizon_cl.views.report.numbers import amount, brief, integer, number, pair, percent, share
-from photizon_cl.views.text import lit_percent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
-    from photizon_cl.result.result import Result
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = [
@@ -30,7 +30,6 @@ __all__ = [
     "detector_table",
     "far_field_table",
     "ladder_table",
-    "ledger_rows",
     "ledger_table",
     "map_table",
     "peak",
@@ -69,28 +68,14 @@ _POWER: Final = (("power in W", True), ("± σ in W", True), ("share of emitted"
 _SINGLE: Final = "σ is not known (–): it comes from the scatter between batches, and there is one."
 
 
-def _sigma_note(result: Result) -> str:
+def _sigma_note(result: Estimates) -> str:
     return _SINGLE if result.batches == 1 else ""
 
 
 # -- ledger --------------------------------------------------------------------------------------
 
 
-def ledger_rows(result: Result) -> list[tuple[str, Estimate]]:
-    """Return every row of the ledger with its name, as ``result.nc`` names them."""
-    ledger = result.ledger
-    return [
-        ("emitted", ledger.emitted),
-        *((f"absorbed: {name}", row) for name, row in ledger.absorbed.items()),
-        ("escaped", ledger.escaped),
-        ("roulette killed", ledger.roulette.killed),
-        ("roulette boosted", ledger.roulette.boosted),
-        ("roulette balance", ledger.roulette.balance),
-        ("depth-capped", ledger.depth_capped),
-    ]
-
-
-def ledger_table(result: Result, most: int = MOST_ROWS) -> Table:
+def ledger_table(result: Estimates, most: int = MOST_ROWS) -> Table:
     """Return the ledger with shares of the emitted power.
 
     Of more elements than `most` those that absorb the most are shown, in the order of the scene,
@@ -145,7 +130,7 @@ def _largest(values: dict[str, float], most: int) -> dict[str, None]:
 # -- detectors -----------------------------------------------------------------------------------
 
 
-def detector_table(result: Result, most: int = MOST_ROWS) -> Table:
+def detector_table(result: Estimates, most: int = MOST_ROWS) -> Table:
     """Return the detectors' powers; of more than `most` those with the most power."""
     emitted = result.ledger.emitted.value
     found = result.detectors

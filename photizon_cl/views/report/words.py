@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.result.text import lit_percent, with_error
 from photizon_cl.views.report.numbers import percent, plain_amount
 from photizon_cl.views.report.tables import peak
-from photizon_cl.views.text import lit_percent, with_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.maps import FarFieldResult, IrradianceMap
-    from photizon_cl.result.result import Result
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = ["describe"]
@@ -22,12 +22,12 @@ __all__ = ["describe"]
 _MOST_NAMED: Final = 6  # values that an alternative text reads out
 
 
-def describe(result: Result, kind: str, element: str) -> tuple[str, str]:
+def describe(result: Estimates, kind: str, element: str) -> tuple[str, str]:
     """Return a figure's alternative text, which has its numbers, and its caption.
 
     Parameters
     ----------
-    result : Result
+    result : Estimates
         What the figure shows.
     kind : str
         What its file's name begins with.
@@ -60,7 +60,7 @@ def _named(texts: Iterable[str], more: str) -> str:
 # -- the whole result ----------------------------------------------------------------------------
 
 
-def _layout(result: Result, _: str) -> tuple[str, str]:
+def _layout(result: Estimates, _: str) -> tuple[str, str]:
     from photizon_cl.views.drawing.view import bounding_box
 
     scene = result.scene
@@ -77,7 +77,7 @@ def _layout(result: Result, _: str) -> tuple[str, str]:
     )
 
 
-def _ledger(result: Result, _: str) -> tuple[str, str]:
+def _ledger(result: Estimates, _: str) -> tuple[str, str]:
     ledger = result.ledger
     rows = sorted(ledger.rows(), key=lambda item: -abs(item[1].value))
     lit = [(name, row) for name, row in rows if row.value != 0.0]
@@ -89,7 +89,7 @@ def _ledger(result: Result, _: str) -> tuple[str, str]:
     return alt, "The rows of the ledger with ± σ, against the emitted power."
 
 
-def _convergence(result: Result, _: str) -> tuple[str, str]:
+def _convergence(result: Estimates, _: str) -> tuple[str, str]:
     from photizon_cl.views.figures.convergence import history
 
     waves = history(result)
@@ -111,13 +111,13 @@ def _convergence(result: Result, _: str) -> tuple[str, str]:
 # -- maps ----------------------------------------------------------------------------------------
 
 
-def _map_of(result: Result, element: str) -> IrradianceMap:
+def _map_of(result: Estimates, element: str) -> IrradianceMap:
     m = result.detectors[element].map
     assert m is not None
     return m
 
 
-def _irradiance(result: Result, element: str) -> tuple[str, str]:
+def _irradiance(result: Estimates, element: str) -> tuple[str, str]:
     m = _map_of(result, element)
     caption = (
         f"Irradiance on {element}, bin by bin and not smoothed; bins with fewer than 10 arrivals "
@@ -148,7 +148,7 @@ def _middle(axis: Axis, k: int) -> str:
     return f"{axis.said} {plain_amount(value)}{unit}"
 
 
-def _sigma(result: Result, element: str) -> tuple[str, str]:
+def _sigma(result: Estimates, element: str) -> tuple[str, str]:
     m = _map_of(result, element)
     caption = (
         f"Standard error over irradiance of each bin on {element}; hatched where fewer than 10 "
@@ -170,7 +170,7 @@ def _sigma(result: Result, element: str) -> tuple[str, str]:
 # -- ladder --------------------------------------------------------------------------------------
 
 
-def _ladder(result: Result, element: str) -> tuple[str, str]:
+def _ladder(result: Estimates, element: str) -> tuple[str, str]:
     rungs = [rung for rung in result.detectors[element].ladder or () if rung.count]
     named = _named(
         (f"after {r.generation}, {_value(r.value, r.sigma, 'W')}" for r in rungs), "more"
@@ -187,7 +187,7 @@ def _ladder(result: Result, element: str) -> tuple[str, str]:
 # -- far field -----------------------------------------------------------------------------------
 
 
-def _far(result: Result) -> FarFieldResult:
+def _far(result: Estimates) -> FarFieldResult:
     assert result.far_field is not None
     return result.far_field
 
@@ -198,7 +198,7 @@ def _at(far: FarFieldResult, j: int, i: int) -> str:
     return f"cos θ = {plain_amount(mu)}, φ = {plain_amount(phi)}°"
 
 
-def _far_field(result: Result, _: str) -> tuple[str, str]:
+def _far_field(result: Estimates, _: str) -> tuple[str, str]:
     far, escaped = _far(result), result.ledger.escaped
     caption = (
         "Intensity of what escaped over φ and cos θ; every bin has the same solid angle, and bins "
@@ -220,7 +220,7 @@ def _far_field(result: Result, _: str) -> tuple[str, str]:
     return alt, caption
 
 
-def _cuts(result: Result, _: str) -> tuple[str, str]:
+def _cuts(result: Estimates, _: str) -> tuple[str, str]:
     far = _far(result)
     caption = (
         "Polar cuts through the far field with bands of ± σ, angles from world +z; thin arcs are "
@@ -241,7 +241,7 @@ def _cuts(result: Result, _: str) -> tuple[str, str]:
     )
 
 
-_WORDS: Final[dict[str, Callable[[Result, str], tuple[str, str]]]] = {
+_WORDS: Final[dict[str, Callable[[Estimates, str], tuple[str, str]]]] = {
     "layout": _layout,
     "ledger": _ledger,
     "convergence": _convergence,

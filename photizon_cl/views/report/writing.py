@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import reason, replacing
-from photizon_cl.errors import ArgumentError, ResultError, show
+from photizon_cl.errors import ArgumentError, show
+from photizon_cl.result.recipe import RecipeText
+from photizon_cl.views.report import figures as drawing
+from photizon_cl.views.report.page import GENERATOR, render
 
-__all__ = ["Written", "write_report"]
+if TYPE_CHECKING:
+    from pathlib import Path
 
-NAME: Final = "report.html"
-_AGAIN: Final = "run the scene again, into another directory, to have a whole one"
+    from photizon_cl.result.estimates import Estimates
+
+__all__ = ["Written", "is_report", "write_page"]
+
 _MOST_RECIPE: Final = 100_000  # characters of a token that a page shows
 
 
 @dataclass(frozen=True)
 class Written:
-    """What `write_report` wrote.
+    """What `write_page` wrote.
 
     Parameters
     ----------
@@ -36,48 +40,31 @@ class Written:
     warnings: tuple[str, ...]
 
 
-def write_report(
-    folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = None
-) -> Written:
-    """Write the report of a saved result, and those of its PNG figures that are missing.
+def write_page(result: Estimates, home: Path, page: Path) -> Written:
+    """Write the report of a result, and those of its PNG figures that are missing beside it.
 
     Parameters
     ----------
-    folder : str or path
-        The directory that a run wrote, or the ``result.nc`` in it.
-    out : str or path, optional
-        The file; default ``report.html`` in the directory of the result.
+    result : Estimates
+        The result.
+    home : Path
+        The directory in which it was saved.
+    page : Path
+        The file.
 
     Raises
     ------
-    ResultError
-        Where there is no result, or it is damaged.
     ArgumentError
         Where the file cannot be written, or is something else than a report.
     """
-    from photizon_cl.result.directory import ARRAYS
-    from photizon_cl.result.result import open_result
-    from photizon_cl.views.report import figures as drawing
-    from photizon_cl.views.report.page import render
-
-    given = Path(os.fsdecode(folder))
-    try:
-        result = open_result(given)
-    except ResultError as error:
-        if given.is_file() or (given / ARRAYS).is_file():  # there, and not whole
-            raise ResultError(f"{error}; {_AGAIN}") from error
-        raise
-    home = given if given.is_dir() else given.parent
-    page = home / NAME if out is None else Path(os.fsdecode(out))
     _check_page(page)
-
     there = _names(home / "figures")
     figures = drawing.draw(result, there)
     made, warnings = _complete(home / "figures", figures.files)
     warnings += [
         f"the figure {show(name)} could not be drawn: {why}" for name, why in figures.failed
     ]
-    text = render(result, figures, result.recipe[:_MOST_RECIPE])
+    text = render(result, figures, RecipeText.of(result).token[:_MOST_RECIPE])
     try:
         with replacing(page) as temporary:
             temporary.write_text(text, encoding="utf-8", errors="replace")
@@ -90,8 +77,6 @@ def write_report(
 
 def is_report(page: Path) -> bool:
     """Say whether a file is a report that was written here."""
-    from photizon_cl.views.report.page import GENERATOR
-
     with page.open("rb") as file:
         return f'content="{GENERATOR}'.encode() in file.read(2000)
 

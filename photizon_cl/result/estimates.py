@@ -1,4 +1,9 @@
-"""The result of a trace: ledger, detectors, far field, and how they came about."""
+"""What accumulated batches say: ledger, detectors, far field, their errors, and the summary.
+
+Everything here follows from a compiled scene, its exact tally and how that came about; no device
+and no file is touched. Views take `Estimates`; what a person holds is `photizon_cl.run.result`'s
+`Result`, which can also go on, be kept and show itself.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +13,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from photizon_cl.checks.advisories import advisories
+from photizon_cl.result.advisories import run_advisories
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.ledger import Ledger
 from photizon_cl.result.maps import DetectorResult, FarFieldResult
@@ -15,21 +22,15 @@ from photizon_cl.result.stopping import Goal, achieved_sigma
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Mapping, Sequence
-    from concurrent.futures import Executor
+    from collections.abc import Mapping
 
-    import pandas as pd
     from numpy.typing import NDArray
 
-    from hostcode.device.device import DeviceRecord
-    from hostcode.program.plan import ExecutionPlan
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.result.statistics import Accumulator
-    from photizon_cl.run.progress import Progress
     from photizon_cl.scene.model import Scene
 
-__all__ = ["RESULT_SCHEMA", "Result", "RunInfo", "open_result"]
+__all__ = ["RESULT_SCHEMA", "Estimates", "RunInfo"]
 
 RESULT_SCHEMA: Final = "photizon-result/1"
 
@@ -78,36 +79,21 @@ class RunInfo:
     engine: str = field(default_factory=engine_digest)
 
 
-class Result:
-    """What a trace gives. Immutable: `refine` returns a new one.
+class Estimates:
+    """What accumulated batches say. Immutable, once nobody adds to the tally.
 
-    Attributes
+    Parameters
     ----------
-    ledger : Ledger
-        Power by where it ended, in watts.
-    detectors : mapping of str to DetectorResult
-        By element, in the order of the scene.
-    far_field : FarFieldResult or None
-        Intensity by direction, in W/sr; None where the scene bins none.
-    scene : Scene
-        The scene as run, with the settings of this run.
+    compiled : CompiledScene
+        The scene as run, and what the tally's cells mean.
+    tally : Accumulator
+        Exact totals of all batches.
     info : RunInfo
         Device, time, interactions.
     """
 
     def __init__(self, compiled: CompiledScene, tally: Accumulator, info: RunInfo) -> None:
         self.compiled, self.tally, self.info = compiled, tally, info
-
-    def __repr__(self) -> str:
-        return (
-            f"<photizon_cl.Result {self.scene.name!r}: {self.batches} batches, {self.rays} rays, "
-            f"{self.tally_digest[:19]}…>"
-        )
-
-    def _repr_html_(self) -> str:
-        from photizon_cl.views.report.notebook import html
-
-        return html(self)
 
     # -- what was run --------------------------------------------------------------------------
 
@@ -180,13 +166,6 @@ class Result:
         return rows
 
     @property
-    def recipe(self) -> str:
-        """A short token with which ``photizon run --recipe`` makes the same bits again."""
-        from photizon_cl.result.recipe import Recipe
-
-        return Recipe.of(self).token
-
-    @property
     def target_sigma(self) -> float:
         """The one that was asked for, or that of the scene."""
         return self.scene.run.target_sigma
@@ -209,9 +188,7 @@ class Result:
     @cached_property
     def advisories(self) -> tuple[str, ...]:
         """What deserves a second look: of the run, then of the scene."""
-        from photizon_cl.result.advisories import run_advisories
-
-        return (*run_advisories(self), *self.scene.advisories())
+        return (*run_advisories(self), *advisories(self.scene))
 
     def summary(self) -> dict[str, Any]:
         """Return the summary as plain values that JSON can hold.
@@ -242,135 +219,3 @@ class Result:
             "detectors": {name: d.summary() for name, d in self.detectors.items()},
             "advisories": list(self.advisories),
         }
-
-    def to_dataframe(self, detector: str | None = None) -> pd.DataFrame:
-        """Return the ledger, or a detector's ladder, as a data frame of pandas.
-
-        Maps and the far field have two dimensions and are in ``result.nc``, which xarray reads.
-
-        Parameters
-        ----------
-        detector : str, optional
-            Name of a detector with a ladder; without it, the ledger.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Columns ``row``, ``value_W``, ``sigma_W``, ``share``; of a ladder ``generation``,
-            ``value_W``, ``sigma_W``, ``share``, ``count``. A share is a part of the emitted power;
-            a σ is NaN with a single batch.
-
-        Raises
-        ------
-        ArgumentError
-            Where there is no such detector, or it has no ladder.
-        PhotizonError
-            Where pandas is not installed.
-        """
-        from photizon_cl.views.report.notebook import data_frame
-
-        return data_frame(self, detector)
-
-    # -- going on, keeping ---------------------------------------------------------------------
-
-    def refine(
-        self,
-        *,
-        target: float | None = None,
-        batches: int | None = None,
-        max_seconds: float | None = None,
-        device: DeviceRecord | str | int | None = None,
-        progress: Callable[[Progress], object] | None = None,
-        executor: Executor | None = None,
-        plan: ExecutionPlan | None = None,
-        checkpoint: str | os.PathLike[str] | None = None,
-    ) -> Result:
-        """Go on with the same stream and return the result of all batches; this one stays.
-
-        The outcome is bit for bit that of one uninterrupted run.
-
-        Parameters
-        ----------
-        target : float, optional
-            Relative standard error to reach.
-        batches : int, optional
-            Batches in all, the ones that are there included. Without either, the goal that the run
-            had holds.
-        max_seconds : float, optional
-            Seconds that this call may take.
-        device, progress, executor, plan, checkpoint : optional
-            As in `photizon_cl.trace`.
-
-        Raises
-        ------
-        ArgumentError
-            Where an argument is not valid, or `batches` are fewer than there are.
-        RunError
-            Where the run fails.
-        """
-        from photizon_cl.run.simulation import refine
-
-        return refine(
-            self,
-            target=target,
-            batches=batches,
-            max_seconds=max_seconds,
-            device=device,
-            progress=progress,
-            executor=executor,
-            plan=plan,
-            checkpoint=checkpoint,
-        )
-
-    def save(
-        self,
-        path: str | os.PathLike[str],
-        *,
-        figures: bool = True,
-        formats: str | Sequence[str] = ("png",),
-    ) -> None:
-        """Write the result into a directory, which is made where it is not there.
-
-        ``summary.json``, ``scene.toml`` (as run), ``result.nc`` (every array with its coordinates
-        and units, and the exact tallies that `refine` goes on from), ``ledger.csv`` and
-        ``detectors.csv`` (totals and ladders), ``recipe.txt`` and ``figures/``. Each file is
-        replaced in one step, and the run's checkpoint there goes. A result that is there already
-        is replaced, but for one with more batches of the same run; other files are left alone.
-
-        Parameters
-        ----------
-        path : str or path
-            The directory.
-        figures : bool, optional
-            Whether to draw figures.
-        formats : str or sequence of str, optional
-            In which formats: one or some of ``"png"``, ``"svg"`` and ``"pdf"``.
-
-        Raises
-        ------
-        ArgumentError
-            Where a format is another one.
-        ResultError
-            Where the directory holds files and no result, or cannot be written.
-        """
-        from photizon_cl.result.directory import save
-
-        save(self, path, figures=figures, formats=formats)
-
-
-def open_result(path: str | os.PathLike[str]) -> Result:
-    """Return a result that was saved.
-
-    Parameters
-    ----------
-    path : str or path
-        The directory, or the ``result.nc`` in it; both give the same numbers, to the bit.
-
-    Raises
-    ------
-    ResultError
-        Where there is no result, or it is damaged.
-    """
-    from photizon_cl.result.directory import open_result
-
-    return open_result(path)

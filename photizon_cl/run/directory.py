@@ -21,13 +21,13 @@ from photizon_cl.scene.model import same_stream
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from photizon_cl.result.result import Result
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.scene.model import Scene
 
 __all__ = [
     "ARRAYS",
     "CHECKPOINT",
-    "open_result",
+    "open_directory",
     "prepare_target",
     "read",
     "save",
@@ -53,7 +53,7 @@ _OURS: Final = frozenset(
 )
 
 
-def _check_target(path: str | os.PathLike[str], result: Result) -> tuple[Path, Result | None]:
+def _check_target(path: str | os.PathLike[str], result: Estimates) -> tuple[Path, Estimates | None]:
     """Return the directory that a result may be written into, and the result that is there.
 
     Makes nothing. What is there is read this once: it may be large.
@@ -62,7 +62,7 @@ def _check_target(path: str | os.PathLike[str], result: Result) -> tuple[Path, R
     ----------
     path : str or path
         The directory.
-    result : Result
+    result : Estimates
         What is to be written there; its own checkpoint may be there.
 
     Raises
@@ -97,7 +97,7 @@ def _check_target(path: str | os.PathLike[str], result: Result) -> tuple[Path, R
     return folder, old
 
 
-def _check_unfinished(folder: Path, result: Result) -> None:
+def _check_unfinished(folder: Path, result: Estimates) -> None:
     """Refuse to lose the batches of a run that was killed."""
     left = read_file(folder / CHECKPOINT)
     own = same_stream(left.scene, result.scene) and left.batches <= result.batches
@@ -109,7 +109,7 @@ def _check_unfinished(folder: Path, result: Result) -> None:
         )
 
 
-def _check_longer(folder: Path, old: Result, result: Result) -> None:
+def _check_longer(folder: Path, old: Estimates, result: Estimates) -> None:
     """Refuse to lose batches of the very stream that is written."""
     # another engine's batches of the stream may have other bits: the new ones may replace them
     same = same_stream(old.scene, result.scene) and old.info.engine == result.info.engine
@@ -150,7 +150,7 @@ def what_is_lost(path: str | os.PathLike[str], scene: Scene) -> str:
     return f"{found}, of other settings or an older scene" if found == mine else found
 
 
-def prepare_target(path: str | os.PathLike[str], result: Result) -> Path:
+def prepare_target(path: str | os.PathLike[str], result: Estimates) -> Path:
     """Make the directory that a result will be written into, and see that it can be.
 
     Raises
@@ -172,15 +172,15 @@ def prepare_target(path: str | os.PathLike[str], result: Result) -> Path:
 
 
 def save(
-    result: Result,
+    result: Estimates,
     path: str | os.PathLike[str],
     *,
     figures: bool = True,
     formats: str | Sequence[str] = ("png",),
 ) -> None:
-    """Write a result, see `Result.save`."""
+    """Write a result, see `photizon_cl.Result.save`."""
     from photizon_cl.result.csv_tables import detectors_csv, ledger_csv
-    from photizon_cl.result.recipe import Recipe
+    from photizon_cl.result.recipe import RecipeText
     from photizon_cl.views.figures import FORMATS, figure_names
 
     folder, old = _check_target(path, result)
@@ -202,7 +202,7 @@ def save(
                 (folder / name).unlink(missing_ok=True)
         (folder / CHECKPOINT).unlink(missing_ok=True)  # the result holds as much and more
         with replacing(folder / "recipe.txt") as temporary:
-            temporary.write_text(Recipe.of(result).token + "\n", encoding="ascii")
+            temporary.write_text(RecipeText.of(result).token + "\n", encoding="ascii")
         with replacing(folder / "ledger.csv") as temporary:
             temporary.write_text(ledger_csv(result), encoding="utf-8", newline="")
         if result.detectors:
@@ -221,13 +221,15 @@ def save(
 
 def _drop_report(page: Path) -> None:
     """Remove the report of the result before; nobody else's page."""
+    if not page.is_file():
+        return
     from photizon_cl.views.report.writing import is_report
 
-    if page.is_file() and is_report(page):
+    if is_report(page):
         page.unlink()
 
 
-def _draw(result: Result, folder: Path, formats: str | Sequence[str]) -> set[str]:
+def _draw(result: Estimates, folder: Path, formats: str | Sequence[str]) -> set[str]:
     from photizon_cl.views.figures import draw_all
 
     folder.mkdir(exist_ok=True)
@@ -242,8 +244,8 @@ def _draw(result: Result, folder: Path, formats: str | Sequence[str]) -> set[str
 # -- reading -------------------------------------------------------------------------------------
 
 
-def open_result(path: str | os.PathLike[str]) -> Result:
-    """Read a result, see `photizon_cl.open_result`."""
+def open_directory(path: str | os.PathLike[str]) -> Estimates:
+    """Return what a result says that was saved, see `photizon_cl.open_result`."""
     given = Path(os.fsdecode(path))
     left = unfinished(given) if given.name != ARRAYS else None
     if left is None:
@@ -265,7 +267,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     return left
 
 
-def unfinished(path: str | os.PathLike[str]) -> Result | None:
+def unfinished(path: str | os.PathLike[str]) -> Estimates | None:
     """Return what the checkpoint in a directory holds, perhaps no batch; None without one.
 
     Raises
@@ -281,7 +283,7 @@ def unfinished(path: str | os.PathLike[str]) -> Result | None:
     return read_file(file) if there else None
 
 
-def read(path: str | os.PathLike[str]) -> Result:
+def read(path: str | os.PathLike[str]) -> Estimates:
     """Return the result in a directory, or in the ``result.nc`` of one."""
     given = Path(os.fsdecode(path))
     shown = show(str(given))

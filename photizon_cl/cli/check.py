@@ -1,0 +1,105 @@
+"""The verb ``check``: what a scene describes, what follows from it, what may not be meant."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from photizon_cl.cli.arguments import SCENE
+
+if TYPE_CHECKING:
+    import argparse
+
+    from photizon_cl.scene.described import Described
+    from photizon_cl.scene.model import Scene
+
+__all__ = ["add_arguments", "call"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the verb takes."""
+    parser.add_argument("scene", metavar="SCENE", help=SCENE)
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Check a scene; return the exit status."""
+    from photizon_cl.scene.files import load
+
+    _print(load(arguments.scene))
+    return 0
+
+
+def _print(scene: Scene) -> None:
+    """Print what a valid scene describes, what follows from it, and the advisories."""
+    from rich.text import Text
+
+    from photizon_cl.checks.advisories import advisories
+    from photizon_cl.cli.tables import console, paragraph
+    from photizon_cl.compile.compiled import compile_scene
+
+    compiled = compile_scene(scene, scene.run)
+    out = console()
+    out.print(Text.assemble((scene.name, "bold"), f"  {scene.title}"))
+
+    def line(text: str, indent: str = "  ") -> None:
+        out.print(paragraph(text, indent), soft_wrap=True)
+
+    line(f"run: {_describe(scene.run)}")
+    if scene.far_field is not None:
+        line(f"far field: {_describe(scene.far_field)}; {_derived(scene.far_field)}")
+    out.print()
+    out.print(Text("sources", "bold"))
+    for source, rays in zip(scene.source, compiled.rays_of_source, strict=True):
+        line(f"{source.name}: {source.kind}, {_describe(source)}; {rays} rays a batch")
+        if hasattr(source, "derived") and source.derived():
+            line(_derived(source), "    ")
+    if scene.element:
+        out.print()
+        out.print(Text("elements", "bold"))
+    for element in scene.element:
+        line(f"{element.name}: {element.kind}, {_describe(element)}")
+        line(
+            f"surface: {' '.join([element.surface.kind, _describe(element.surface)]).strip()}",
+            "    ",
+        )
+        line(_derived(element), "    ")
+        if element.detector is not None:
+            what = _describe(element.detector) or "power"
+            line(f"detector: {what}; counts the side {element.detector_side}", "    ")
+    out.print()
+    found = advisories(scene)
+    out.print(Text(f"advisories: {len(found) or 'none'}", "bold"))
+    for text in found:
+        line(f"- {text}")
+    out.print(f"{scene.digest()}", soft_wrap=True)
+
+
+def _number(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.9g}"
+    if isinstance(value, tuple):
+        return "(" + ", ".join(map(_number, value)) + ")"
+    return str(value)
+
+
+def _describe(item: Described) -> str:
+    """Return the parameters of an object on one line, with units where they have one."""
+    from photizon_cl.scene.described import parameters_of
+
+    parts = []
+    for name, parameter in parameters_of(type(item)).items():
+        value = getattr(item, name)
+        if name in ("name", "surface", "detector") or value is None:
+            continue
+        if name == "tilt_deg" and value == (0.0, 0.0):
+            continue
+        unit = getattr(parameter, "unit", "")
+        parts.append(f"{name} {_number(value)}" + (f" {unit}" if unit else ""))
+    return ", ".join(parts)
+
+
+def _derived(item: Any) -> str:
+    values: dict[str, tuple[float, str]] = item.derived()
+    return ", ".join(
+        f"{name} {_number(value)}" + (f" {unit}" if unit else "")
+        for name, (value, unit) in values.items()
+    )

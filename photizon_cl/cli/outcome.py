@@ -1,0 +1,139 @@
+"""What a run gives: files, then ledger, detectors and advisories, or the summary as JSON."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import TYPE_CHECKING, Final
+
+from rich.text import Text
+
+from photizon_cl.cli.tables import console, paragraph, print_table, table
+from photizon_cl.errors import ResultError
+from photizon_cl.result.text import lit_percent, with_error
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from rich.console import Console
+
+    from photizon_cl.result.ledger import Estimate
+    from photizon_cl.run.result import Result
+
+__all__ = ["give", "print_result"]
+
+_STOPPED: Final = {"interrupt": "by Ctrl-C", "time": "by max_seconds"}
+"""What ends a run before its goal."""
+
+
+def give(result: Result, folder: str | None, *, as_json: bool, said: Collection[str] = ()) -> int:
+    """Write and print a result, without what was said already; return the exit status."""
+    # Files first: a reader that closes the pipe must not cost the result.
+    failed: ResultError | None = None
+    if folder is not None:
+        try:
+            result.save(folder)
+        except ResultError as error:
+            failed = error  # the numbers are still worth printing
+    if as_json:
+        print(json.dumps(result.summary(), indent=2, ensure_ascii=True, allow_nan=False))
+        return _told(failed)
+    out = console()
+    print_result(result, out, said)
+    if folder is not None and failed is None:
+        out.print(f"\nwritten to {folder}", soft_wrap=True)
+    return _told(failed)
+
+
+def _told(failed: ResultError | None) -> int:
+    """Say that the files could not be written; return the exit status."""
+    if failed is None:
+        return 0
+    print(str(failed), file=sys.stderr)
+    return 1
+
+
+def print_result(result: Result, out: Console, said: Collection[str] = ()) -> None:
+    """Print ledger, detectors and advisories, these without what was said before."""
+    head = result.scene.title or result.scene.name
+    out.print(Text(head, "bold"))
+    run = result.scene.run
+    out.print(
+        paragraph(
+            f"{result.batches} batches of {run.rays_per_batch} rays, seed {run.seed}, "
+            f"{result.info.interactions / 1e6:.4g} M interactions in {result.info.seconds:.2f} s "
+            f"on {result.info.device}",
+            "",
+        ),
+        soft_wrap=True,
+    )
+    out.print()
+    _print_ledger(result, out)
+    _print_detectors(result, out)
+    achieved = result.achieved_sigma
+    sigma = "unknown" if achieved is None else f"{achieved:.3g}"
+    verdict = "met" if result.converged else "not met"
+    out.print()
+    text = f"median relative σ {sigma}, target {result.target_sigma:.3g} {verdict}"
+    if result.lit_fraction is not None:
+        text += f"; {lit_percent(result.lit_fraction)} of the bins lit"
+    out.print(paragraph(text, ""), soft_wrap=True)
+    far = None if result.far_field is None else result.far_field.median_sigma
+    if far is not None:
+        text = f"median relative σ {far:.3g} over the lit bins of the far field"
+        out.print(paragraph(text, ""), soft_wrap=True)
+    if result.info.stopped in _STOPPED:
+        text = f"stopped {_STOPPED[result.info.stopped]} after {result.batches} batches"
+        out.print(paragraph(text, ""), soft_wrap=True)
+    out.print(result.tally_digest, soft_wrap=True)
+    for text in result.advisories:
+        if text not in said:
+            out.print(paragraph(f"advisory: {text}", ""), soft_wrap=True)
+
+
+def _print_ledger(result: Result, out: Console) -> None:
+    ledger = result.ledger
+    emitted = ledger.emitted.value
+    rows = table(("ledger", "left"), ("W", "right"), ("± σ", "right"), ("of emitted", "right"))
+
+    def add(name: str, row: Estimate, style: str = "") -> None:
+        part = 100.0 * row.value / emitted
+        shown = f"{part:.1e} %" if 0.0 < abs(part) < 5e-5 else f"{part:.4f} %"
+        rows.add_row(Text(name, style), *with_error(row.value, row.sigma), shown)
+
+    add("emitted", ledger.emitted, "bold")
+    for name, row in ledger.absorbed.items():
+        add(f"absorbed by {name}", row)
+    add("escaped", ledger.escaped)
+    roulette = ledger.roulette
+    if roulette.killed.value or roulette.boosted.value:
+        add("roulette killed", roulette.killed)
+        add("roulette boosted", roulette.boosted)
+        add("roulette balance", roulette.balance)
+    add("depth-capped", ledger.depth_capped)
+    rows.add_row("closure", f"{ledger.closure:.1e}" if ledger.closure else "0", "", "")
+    print_table(rows, out)
+
+
+def _print_detectors(result: Result, out: Console) -> None:
+    if not result.detectors:
+        return
+    out.print()
+    rows = table(("detector", "left"), ("W", "right"), ("± σ", "right"), ("arrivals", "right"))
+    for name, detector in result.detectors.items():
+        power = detector.power
+        rows.add_row(Text(name), *with_error(power.value, power.sigma), str(power.count))
+        for rung in detector.ladder or ():
+            if rung.count:
+                last = " or more" if rung.generation == len(detector.ladder or ()) - 1 else ""
+                label = Text(f"  generation {rung.generation}{last}")
+                rows.add_row(label, *with_error(rung.value, rung.sigma), str(rung.count))
+        if detector.map is not None:
+            lit = detector.map.lit
+            values = detector.map.irradiance[lit]
+            ny, nx = lit.shape
+            text = f"  map {nx} × {ny}"
+            if values.size:
+                text += f", lit {values.min():.4g} … {values.max():.4g} W/m²"
+            rows.add_row(Text(text), "", "", "")
+    print_table(rows, out)

@@ -1,0 +1,70 @@
+"""How far a run is, on one line of the terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rich.text import Text
+
+from photizon_cl.cli.tables import console
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from photizon_cl.run.progress import Progress
+
+__all__ = ["Display", "progress_line"]
+
+
+class Display:
+    """One line on standard error that is redrawn; silent where that is no terminal."""
+
+    def __init__(self, title: str) -> None:
+        self.title = title
+        self.live: Any = None
+
+    def __enter__(self) -> Display:
+        err = console(stderr=True)
+        if err.is_terminal:
+            from rich.live import Live
+
+            self.live = Live(
+                Text(f"{self.title}: building the program, tracing the first batch …"),
+                console=err,
+                refresh_per_second=8,
+                transient=True,
+            )
+            self.live.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self.live is not None:
+            self.live.stop()
+
+    def update(self, now: Progress) -> None:
+        """Show how far the run is."""
+        if self.live is not None:
+            self.live.update(Text(progress_line(now)))
+
+
+def progress_line(now: Progress) -> str:
+    """Return one line: σ now, batches, interactions a second, time left."""
+    sigma = "σ –" if now.achieved_sigma is None else f"σ {now.achieved_sigma:.2e}"
+    if now.target is not None:
+        sigma += f" (target {now.target:.2e})"
+    batches = f"batch {now.batches}" + (f"/{now.goal_batches}" if now.goal_batches else "")
+    rate = f"{now.interactions_per_second / 1e6:.1f} M interactions/s"
+    left = "" if now.eta_seconds is None else f"  {_time(now.eta_seconds)} left"
+    return f"{sigma}  {batches}  {rate}{left}"
+
+
+def _time(seconds: float) -> str:
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02d} min" if minutes < 100 else f"{minutes / 60:.1f} h"

@@ -1,0 +1,41 @@
+"""The verb ``resume``: a run goes on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from photizon_cl.cli.arguments import DEVICE, DIRECTORY, JSON, add_goal
+
+if TYPE_CHECKING:
+    import argparse
+
+__all__ = ["add_arguments", "call"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the verb takes."""
+    parser.add_argument("directory", metavar="DIR", help=DIRECTORY)
+    add_goal(parser, "run until there are N batches in all", "more ")
+    parser.add_argument("--device", metavar="D", help=DEVICE)
+    parser.add_argument("--json", action="store_true", help=JSON)
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Go on with a run as the arguments say; return the exit status."""
+    from photizon_cl.cli.outcome import give
+    from photizon_cl.cli.progress import Display
+    from photizon_cl.run.checkpoint import latest
+    from photizon_cl.run.result import Result
+
+    # `pz.resume` in two steps, since the display has the scene's title
+    start = Result.of(latest(arguments.directory))
+    with Display(start.scene.title or start.scene.name) as display:
+        result = start.refine(
+            batches=arguments.batches,
+            target=arguments.target,
+            max_seconds=arguments.max_seconds,
+            device=arguments.device,
+            progress=display.update,
+            checkpoint=arguments.directory,
+        )
+    return give(result, arguments.directory, as_json=arguments.json)

@@ -1,0 +1,262 @@
+"""Adding batches to a tally, in order, until a goal is reached."""
+
+from __future__ import annotations
+
+import dataclasses
+import operator
+import signal
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from photizon_cl.compile.compiled import MAX_RAY_NUMBER, CompiledScene
+from photizon_cl.errors import ArgumentError, ResultError, RunError, SceneError, show
+from photizon_cl.result.engine import engine_digest
+from photizon_cl.result.estimates import Estimates, RunInfo
+from photizon_cl.result.ledger import check_batch
+from photizon_cl.result.statistics import complete
+from photizon_cl.result.stopping import Goal, History
+from photizon_cl.run.checkpoint import Keeper
+from photizon_cl.run.directory import prepare_target
+from photizon_cl.run.distribution import Executed, Local, Runner
+from photizon_cl.run.progress import Clock, Progress
+from photizon_cl.version import __version__
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Iterator
+    from concurrent.futures import Executor
+
+    from hostcode.device.device import DeviceRecord
+    from hostcode.program.plan import ExecutionPlan
+    from photizon_cl.scene.model import Scene
+
+__all__ = ["go_on", "goal_of", "refine", "with_settings"]
+
+_E = TypeVar("_E", bound=Estimates)
+
+
+def refine(
+    result: _E,
+    *,
+    target: float | None = None,
+    batches: int | None = None,
+    max_seconds: float | None = None,
+    device: DeviceRecord | str | int | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    executor: Executor | None = None,
+    plan: ExecutionPlan | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+) -> _E:
+    """Add batches to the stream of a result, see `photizon_cl.Result.refine`."""
+    if target is None and batches is None:
+        goal = result.info.goal
+        if max_seconds is not None:
+            _check_seconds(result.scene, max_seconds)
+            goal = dataclasses.replace(goal, max_seconds=max_seconds)
+        compiled = result.compiled
+    else:
+        as_run = with_settings(result.scene, target_sigma=target, max_seconds=max_seconds)
+        goal = goal_of(as_run, batches, target, max_seconds)
+        # The stream does not depend on when it stops: the tables stay what they are.
+        compiled = dataclasses.replace(result.compiled, scene=as_run, settings=as_run.run)
+    if goal.batches is not None and goal.batches < result.batches:
+        raise ArgumentError(
+            f"batches: found {goal.batches}, expected at least the {result.batches} that the "
+            "result has already (the number is that of all batches)"
+        )
+    info = dataclasses.replace(result.info, goal=goal)
+    if not result.batches:
+        info = dataclasses.replace(info, version=__version__, engine=engine_digest())
+    elif info.engine not in ("", engine_digest()):
+        raise ResultError(
+            f"the result was made by photizon_cl {info.version} with the engine {info.engine}, and "
+            f"this is {__version__} with the engine {engine_digest()}: their batches may differ in "
+            "bits and are not mixed; go on with that version, or run the scene again"
+        )
+    start = type(result)(compiled, result.tally.copy(), info)
+    if start.batches and goal.reached(compiled.layout, start.tally):
+        return start
+    return go_on(start, goal, device, progress, executor, plan, checkpoint)
+
+
+def with_settings(scene: Scene, **settings: Any) -> Scene:
+    """Return a scene with those settings of ``[run]`` that are given and not None.
+
+    Raises
+    ------
+    ArgumentError
+        Where one is not valid.
+    """
+    given = {name: value for name, value in settings.items() if value is not None}
+    if not given:
+        return scene
+    try:
+        return dataclasses.replace(scene, run=dataclasses.replace(scene.run, **given))
+    except SceneError as error:
+        lines = [str(dataclasses.replace(problem, owner="")) for problem in error.problems]
+        raise ArgumentError("\n".join(lines)) from None
+
+
+def _check_seconds(scene: Scene, max_seconds: float) -> None:
+    with_settings(scene, max_seconds=max_seconds)
+
+
+def goal_of(
+    scene: Scene, batches: int | None, target: float | None, max_seconds: float | None
+) -> Goal:
+    """Return what a run is to reach that is given these, the scene's settings for the others.
+
+    Raises
+    ------
+    ArgumentError
+        Where `batches` is no number of batches, or one of too many rays.
+    """
+    if batches is None:
+        return Goal(None, scene.run.target_sigma, scene.run.max_seconds)
+    most = MAX_RAY_NUMBER // scene.run.rays_per_batch
+    try:
+        number = operator.index(batches)
+    except TypeError:
+        number = 0
+    if isinstance(batches, bool) or not 1 <= number <= most:
+        raise ArgumentError(
+            f"batches: found {show(batches)}, expected an integer from 1 to {most} "
+            f"(rays are numbered up to 2^48, and a batch has {scene.run.rays_per_batch})"
+        )
+    if target is None:
+        return Goal(number, None, None if max_seconds is None else scene.run.max_seconds)
+    return Goal(number, scene.run.target_sigma, scene.run.max_seconds)
+
+
+def go_on(
+    start: _E,
+    goal: Goal,
+    device: DeviceRecord | str | int | None,
+    progress: Callable[[Progress], object] | None,
+    executor: Executor | None,
+    plan: ExecutionPlan | None,
+    checkpoint: str | os.PathLike[str] | None,
+) -> _E:
+    """Add batches to a result that nobody else holds until its goal is reached."""
+    if checkpoint is None:
+        return _add_batches(start, goal, device, progress, executor, plan, None)
+    keeper = Keeper(prepare_target(checkpoint, start), start)
+    try:
+        return _add_batches(start, goal, device, progress, executor, plan, keeper)
+    finally:
+        keeper.close()
+
+
+def _add_batches(
+    start: _E,
+    goal: Goal,
+    device: DeviceRecord | str | int | None,
+    progress: Callable[[Progress], object] | None,
+    executor: Executor | None,
+    plan: ExecutionPlan | None,
+    keeper: Keeper | None,
+) -> _E:
+    compiled, tally, info = start.compiled, start.tally, start.info
+    chosen = str(device) if isinstance(device, int) else device
+    runner: Runner
+    if executor is None:
+        runner = Local(compiled.tables, chosen, plan)
+    else:
+        runner = Executed(executor, compiled.scene.digest(), compiled.tables, chosen, plan)
+    clock = Clock(goal, tally.batches)
+    if isinstance(runner, Local):
+        runner.engine.give_up = clock.must_stop
+    last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
+    last = last if goal.batches is None else min(last, goal.batches)
+    worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
+    history = History(info.history, info.seconds)
+
+    def so_far(stopped: str = "") -> RunInfo:
+        return dataclasses.replace(
+            info,
+            device=label,
+            interactions=info.interactions + interactions,
+            seconds=info.seconds + clock.elapsed(),
+            build_seconds=info.build_seconds + build,
+            worst_closure=worst,
+            history=history.rows,
+            stopped=stopped,
+        )
+
+    chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
+    with _interruptible() as interrupted:
+        try:
+            for chunk in chunks:
+                done = False
+                for cells in chunk.cells:
+                    whole = complete(compiled.layout, cells)
+                    worst = max(worst, check_batch(compiled, tally.batches, whole))
+                    tally.add(whole)
+                    interactions += int(whole[compiled.layout.interactions, 3])
+                    done = goal.reached(compiled.layout, tally)
+                    if done:
+                        break  # what was computed beyond is dropped: the goal fixes the bits
+                label, build = chunk.device, max(build, chunk.build_seconds)
+                clock.note(tally.batches)
+                history.note(compiled.layout, tally, clock.elapsed())
+                if keeper is not None:
+                    keeper.note(lambda: Estimates(compiled, tally, so_far()))
+                if progress is not None:
+                    progress(Progress.of(compiled, tally, goal, info, interactions, clock))
+                if done or interrupted() or clock.over():
+                    break
+        finally:
+            close = getattr(chunks, "close", None)
+            if close is not None:
+                close()
+    if not tally.batches:
+        raise RunError(_no_batch(compiled, clock))
+    history.note(compiled.layout, tally, clock.elapsed(), last=True)
+    stopped = "interrupt" if interrupted() else "time"
+    if goal.reached(compiled.layout, tally):
+        stopped = "batches" if tally.batches == goal.batches else "target"
+    result = type(start)(compiled, tally, so_far(stopped))
+    if keeper is not None:
+        keeper.note(lambda: result, last=True)
+    return result
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Give a function that says whether Ctrl-C was pressed; the second one interrupts at once."""
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    pressed = False
+    before = signal.getsignal(signal.SIGINT)
+
+    def note(number: int, frame: object) -> None:
+        nonlocal pressed
+        if pressed:
+            raise KeyboardInterrupt
+        pressed = True
+
+    if before is None or before is signal.SIG_IGN:  # not Python's to replace, or asked to ignore
+        yield lambda: False
+        return
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: pressed
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _no_batch(compiled: CompiledScene, clock: Clock) -> str:
+    run = compiled.settings
+    advice = "lower rays_per_batch or raise max_seconds"
+    if "splitting" in compiled.effects:
+        advice = (
+            "every split makes two rays of one, and between Fresnel surfaces and reflecting ones "
+            f"nothing ends them before the generation cap of {run.generation_cap}: set "
+            f"roulette_floor (1e-6, say) or lower generation_cap; else {advice}"
+        )
+    return (
+        f"not one batch of {run.rays_per_batch} rays ended within {clock.elapsed():.0f} s "
+        f"(max_seconds is {clock.limit:g}), so there is nothing to report: {advice}"
+    )

@@ -1,0 +1,198 @@
+"""The result of a trace: what its batches say, going on from them, and keeping them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from photizon_cl.result.estimates import Estimates
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Sequence
+    from concurrent.futures import Executor
+
+    import pandas as pd
+
+    from hostcode.device.device import DeviceRecord
+    from hostcode.program.plan import ExecutionPlan
+    from photizon_cl.run.progress import Progress
+
+__all__ = ["Result", "open_result"]
+
+# What draws, runs or reads is imported where it is called: a result that only tells its numbers
+# needs none of it.
+
+
+class Result(Estimates):
+    """What a trace gives. Immutable: `refine` returns a new one.
+
+    Attributes
+    ----------
+    ledger : Ledger
+        Power by where it ended, in watts.
+    detectors : mapping of str to DetectorResult
+        By element, in the order of the scene.
+    far_field : FarFieldResult or None
+        Intensity by direction, in W/sr; None where the scene bins none.
+    scene : Scene
+        The scene as run, with the settings of this run.
+    info : RunInfo
+        Device, time, interactions.
+    """
+
+    @classmethod
+    def of(cls, estimates: Estimates) -> Result:
+        """Return estimates as a result that can go on and be kept; they share the tally."""
+        return cls(estimates.compiled, estimates.tally, estimates.info)
+
+    def __repr__(self) -> str:
+        return (
+            f"<photizon_cl.Result {self.scene.name!r}: {self.batches} batches, {self.rays} rays, "
+            f"{self.tally_digest[:19]}…>"
+        )
+
+    # -- other forms ---------------------------------------------------------------------------
+
+    def _repr_html_(self) -> str:
+        from photizon_cl.views.report.notebook import html
+
+        return html(self)
+
+    @property
+    def recipe(self) -> str:
+        """A short token with which ``photizon run --recipe`` makes the same bits again."""
+        from photizon_cl.result.recipe import RecipeText
+
+        return RecipeText.of(self).token
+
+    def to_dataframe(self, detector: str | None = None) -> pd.DataFrame:
+        """Return the ledger, or a detector's ladder, as a data frame of pandas.
+
+        Maps and the far field have two dimensions and are in ``result.nc``, which xarray reads.
+
+        Parameters
+        ----------
+        detector : str, optional
+            Name of a detector with a ladder; without it, the ledger.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``row``, ``value_W``, ``sigma_W``, ``share``; of a ladder ``generation``,
+            ``value_W``, ``sigma_W``, ``share``, ``count``. A share is a part of the emitted power;
+            a σ is NaN with a single batch.
+
+        Raises
+        ------
+        ArgumentError
+            Where there is no such detector, or it has no ladder.
+        PhotizonError
+            Where pandas is not installed.
+        """
+        from photizon_cl.views.report.notebook import data_frame
+
+        return data_frame(self, detector)
+
+    # -- going on, keeping ---------------------------------------------------------------------
+
+    def refine(
+        self,
+        *,
+        target: float | None = None,
+        batches: int | None = None,
+        max_seconds: float | None = None,
+        device: DeviceRecord | str | int | None = None,
+        progress: Callable[[Progress], object] | None = None,
+        executor: Executor | None = None,
+        plan: ExecutionPlan | None = None,
+        checkpoint: str | os.PathLike[str] | None = None,
+    ) -> Result:
+        """Go on with the same stream and return the result of all batches; this one stays.
+
+        The outcome is bit for bit that of one uninterrupted run.
+
+        Parameters
+        ----------
+        target : float, optional
+            Relative standard error to reach.
+        batches : int, optional
+            Batches in all, the ones that are there included. Without either, the goal that the run
+            had holds.
+        max_seconds : float, optional
+            Seconds that this call may take.
+        device, progress, executor, plan, checkpoint : optional
+            As in `photizon_cl.trace`.
+
+        Raises
+        ------
+        ArgumentError
+            Where an argument is not valid, or `batches` are fewer than there are.
+        RunError
+            Where the run fails.
+        """
+        from photizon_cl.run.batches import refine
+
+        return refine(
+            self,
+            target=target,
+            batches=batches,
+            max_seconds=max_seconds,
+            device=device,
+            progress=progress,
+            executor=executor,
+            plan=plan,
+            checkpoint=checkpoint,
+        )
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        figures: bool = True,
+        formats: str | Sequence[str] = ("png",),
+    ) -> None:
+        """Write the result into a directory, which is made where it is not there.
+
+        ``summary.json``, ``scene.toml`` (as run), ``result.nc`` (every array with its coordinates
+        and units, and the exact tallies that `refine` goes on from), ``ledger.csv`` and
+        ``detectors.csv`` (totals and ladders), ``recipe.txt`` and ``figures/``. Each file is
+        replaced in one step, and the run's checkpoint there goes. A result that is there already
+        is replaced, but for one with more batches of the same run; other files are left alone.
+
+        Parameters
+        ----------
+        path : str or path
+            The directory.
+        figures : bool, optional
+            Whether to draw figures.
+        formats : str or sequence of str, optional
+            In which formats: one or some of ``"png"``, ``"svg"`` and ``"pdf"``.
+
+        Raises
+        ------
+        ArgumentError
+            Where a format is another one.
+        ResultError
+            Where the directory holds files and no result, or cannot be written.
+        """
+        from photizon_cl.run.directory import save
+
+        save(self, path, figures=figures, formats=formats)
+
+
+def open_result(path: str | os.PathLike[str]) -> Result:
+    """Return a result that was saved.
+
+    Parameters
+    ----------
+    path : str or path
+        The directory, or the ``result.nc`` in it; both give the same numbers, to the bit.
+
+    Raises
+    ------
+    ResultError
+        Where there is no result, or it is damaged.
+    """
+    from photizon_cl.run.directory import open_directory
+
+    return Result.of(open_directory(path))
