@@ -258,7 +258,7 @@ class Revolved(Face):
             middle = 0.5 * (low + high)
             below = bool(self.profile(np.array([middle]))[1][0] < height)
             low, high = (middle, high) if below == rising else (low, middle)
-        return high if rising == bool(height > ends.min()) else low
+        return low if low == 0.0 else high
 
     def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:  # noqa: D102
         x, y, z = local
