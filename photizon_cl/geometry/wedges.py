@@ -117,9 +117,9 @@ def _factors(near: Neighbours, kinds: _Kinds) -> NDArray[np.float64]:
     return factors
 
 
-def _rim_on(disk: Element, other: Element, faces: PlaneFaces, at: int, room: float) -> float:
+def _rim_on(flat: Element, other: Element, faces: PlaneFaces, at: int, room: float) -> float:
     """Return the sine of the angle of a disk with the surface on which its rim lies, else 1."""
-    plane, curved = disk.sole_face, other.sole_face
+    plane, curved = flat.sole_face, other.sole_face
     assert isinstance(plane, Plane)
     assert isinstance(curved, Revolved)
     centre, normal = (tuple(v[at].tolist()) for v in (faces.centres, faces.frames[:, 2]))

@@ -15,18 +15,18 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["disk_areas", "rectangle_areas", "sphere_areas"]
+__all__ = ["circle_areas", "even_areas", "zone_areas"]
 
 _RIM: Final = 4.0 * 2.0**-53
 """Rounding of the cosine of a port's rim, 1 − 2f, of numbers about 1."""
 
 
-def rectangle_areas(half_width: float, half_height: float, nx: int, ny: int) -> NDArray[np.float64]:
+def even_areas(half_width: float, half_height: float, nx: int, ny: int) -> NDArray[np.float64]:
     """Return the areas of nx × ny equal bins of a rectangle, shape (ny, nx), in m²."""
     return np.full((ny, nx), (2.0 * half_width / nx) * (2.0 * half_height / ny))
 
 
-def sphere_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArray[np.float64]:
+def zone_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArray[np.float64]:
     """Return the areas of bins uniform in φ and cos θ outside the port, shape (ny, nx), in m².
 
     A zone's area is proportional to its height (Archimedes); the port is cos θ > 1 − 2f.
@@ -40,7 +40,7 @@ def sphere_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArr
     return np.repeat(rows[:, np.newaxis], nx, axis=1)
 
 
-def disk_areas(radius: float, nx: int, ny: int) -> NDArray[np.float64]:
+def circle_areas(radius: float, nx: int, ny: int) -> NDArray[np.float64]:
     """Return the area that each bin of the bounding square shares with the disk.
 
     Returns

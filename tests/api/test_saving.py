@@ -22,7 +22,11 @@ def arrays(result):
     """Return every array and number of a result."""
     found = {"far": result.far_field and vars(result.far_field)}
     for name, detector in result.detectors.items():
-        found[name] = vars(detector.map) if detector.map else None
+        found[name] = None
+        if detector.map is not None:
+            rest = {k: v for k, v in vars(detector.map).items() if k != "bins"}
+            edges = {"x_edges": detector.map.x_edges, "y_edges": detector.map.y_edges}
+            found[name] = rest | edges
     return found
 
 

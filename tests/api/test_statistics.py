@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from hostcode.run.tally import canonical, exact, values
-from photizon_cl.compile.layout import DetectorCells, TallyLayout
+from photizon_cl.compile.layout import ROWS, DetectorCells, TallyCells, TallyLayout
 from photizon_cl.errors import RunError
 from photizon_cl.result.statistics import Accumulator, complete, exact_sum
 from photizon_cl.result.stopping import LEAST_BATCHES, Goal, achieved_sigma
+from photizon_cl.scene.filters.along import across
+from photizon_cl.scene.filters.generation import Generation
 
 UNIT = Fraction(1, 2**95)
 
@@ -113,11 +115,13 @@ def test_a_copy_is_independent():
 # -- detectors' power ------------------------------------------------------------------------------
 
 # One element; a detector with a ladder of 3 and a map of 2 × 2; no far field.
-LAYOUT = TallyLayout(1, (DetectorCells(0, 5, 6, 3, 9, 2, 2),), 13, 0, 0, 13)
+LADDER = TallyCells("ladder", 6, (Generation(3),))
+MAP = TallyCells("map", 9, (across("u", 1.0, 2), across("v", 1.0, 2)))
+LAYOUT = TallyLayout(1, ROWS, (DetectorCells(0, 5, (LADDER, MAP)),), (), 14)
 
 
 def arrivals():
-    cells = np.zeros((13, 4), np.int64)
+    cells = np.zeros((14, 4), np.int64)
     cells[6:9] = [[1, 2**32 - 1, 7, 2], [0, 2**32 - 1, 2**32 - 1, 1], [2, 0, 0, 4]]
     cells[9] = cells[6:9].sum(axis=0)
     return canonical(cells)
@@ -144,10 +148,10 @@ def test_ladder_and_map_that_disagree_are_a_defect():
 
 def scattered(relative, n_batches):
     """Return alternating batches of one element's row whose relative error is known."""
-    layout = TallyLayout(1, (), 5, 0, 0, 5)
+    layout = TallyLayout(1, ROWS, (), (), 6)
     batches = []
     for n in range(n_batches):
-        cells = np.zeros((5, 4), np.int64)
+        cells = np.zeros((6, 4), np.int64)
         cells[0, 0] = round(2**40 * (1.0 + (relative if n % 2 else -relative)))
         batches.append(cells)
     return layout, filled(batches)
@@ -169,13 +173,14 @@ def test_achieved_sigma_over_rows_leaves_zero_rows_out():
 
 
 def test_achieved_sigma_over_maps_takes_lit_bins_only():
-    layout = TallyLayout(1, (DetectorCells(0, 5, 0, 0, 6, 2, 1),), 8, 0, 0, 8)
+    small = TallyCells("map", 6, (across("u", 1.0, 2), across("v", 1.0, 1)))
+    layout = TallyLayout(1, ROWS, (DetectorCells(0, 5, (small,)),), (), 9)
     batches = []
     for n in range(4):
-        cells = np.zeros((8, 4), np.int64)
+        cells = np.zeros((9, 4), np.int64)
         cells[6] = [2**30 + (2**20 if n % 2 else 0), 0, 0, 3]  # 12 arrivals: lit
         cells[7] = [2**30 * (n % 2), 0, 0, 2]  # 8 arrivals: noisy, and not lit
         batches.append(complete(layout, cells))
     tally = filled(batches)
-    assert tally.count.tolist()[6:] == [12, 8]
+    assert tally.count.tolist()[6:8] == [12, 8]
     assert achieved_sigma(layout, tally) < 1e-3

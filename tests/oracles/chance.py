@@ -96,12 +96,12 @@ def disk_positions(kind: str, rays: int = 1 << 17) -> None:
     target["detector"] = {"map": [n, n]}
     found = trace(scene_of([source], [target]), rays_per_batch=rays)
     edges = np.linspace(-0.6, 0.6, n + 1)
-    wanted = disk_areas(edges, edges, radius)
+    wanted = circle_areas(edges, edges, radius)
     # +v of a disk that faces -z is world +x, +u is world +y; the areas are symmetric
     chi_square(found.detector("element 0").map_counts, wanted / wanted.sum(), ALPHA)
 
 
-def disk_areas(x: np.ndarray, y: np.ndarray, radius: float) -> np.ndarray:
+def circle_areas(x: np.ndarray, y: np.ndarray, radius: float) -> np.ndarray:
     """Return the area of each bin within a circle by fine quadrature, shape (ny, nx)."""
     nodes, weights = np.polynomial.legendre.leggauss(400)
     areas = np.zeros((len(y) - 1, len(x) - 1))

@@ -287,7 +287,7 @@ def test_contact_of_elements_unknown_to_it() -> None:
 
 def lines_about(*over: Element) -> list[str]:
     source = pz.IsotropicPoint(name="s", flux=1.0, position=(0.0, 0.0, 3.0))
-    return pz.Scene(name="f", source=(source,), element=over).advisories()
+    return pz.advisories(pz.Scene(name="f", source=(source,), element=over))
 
 
 def test_flush_elements_with_holes() -> None:

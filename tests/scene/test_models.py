@@ -77,7 +77,7 @@ def test_disk():
 
 def test_sphere():
     s = pz.Sphere(**COMMON, axis="+z", radius=0.1, port_fraction=0.05, surface=pz.Lambertian(0.9))
-    assert s.packed(s.position, None)[0] == 0.1
+    assert s.packed(s.position, None)["radius"] == 0.1
     assert s.area == pytest.approx(4 * math.pi * 0.01 * 0.95, rel=1e-15)
     assert s.area + s.port_area == pytest.approx(4 * math.pi * 0.01, rel=1e-15)
     assert s.port_radius == pytest.approx(0.1 * math.sin(math.acos(0.9)), rel=1e-14)
@@ -95,11 +95,11 @@ def test_sphere():
 
 
 def test_surfaces():
-    assert pz.Absorber().packed() == ()
-    assert pz.Mirror(0.25).packed() == (0.25,)
+    assert pz.Absorber().packed() == {}
+    assert pz.Mirror(0.25).packed() == {"reflectance": 0.25}
     assert pz.Lambertian(0.25).derived() == {"absorptance": (0.75, "")}
     glass = pz.Fresnel(1.5)
-    assert glass.packed() == (1 / 1.5, 1.25 / 2.25, 1.5, -1.25)
+    assert glass.row.pack(glass.packed()) == [1 / 1.5, 1.25 / 2.25, 1.5, -1.25]
     assert glass.normal_reflectance == pytest.approx(0.04, rel=1e-15)
     assert glass.critical_angle_deg == pytest.approx(41.8103149)
     assert pz.Fresnel(1.0, 1.5).critical_angle_deg == glass.critical_angle_deg
@@ -110,7 +110,7 @@ def test_sources():
     assert pz.IsotropicPoint(**COMMON, flux=4 * math.pi).radiant_intensity == 1.0
     cosine = pz.CosinePoint(**COMMON, flux=math.pi, axis="-x", tilt_deg=(3, 0))
     assert cosine.radiant_intensity == 1.0
-    assert cosine.packed() == ()
+    assert cosine.packed() == {}
     assert cosine.frame == frame("-x", (3.0, 0.0))
     disk = pz.LambertianDisk(**COMMON, flux=math.pi**2, axis="+z", radius=1)
     assert disk.radiance == pytest.approx(1.0, rel=1e-15)
@@ -120,7 +120,7 @@ def test_sources():
     beam = pz.CollimatedDisk(**COMMON, flux=math.pi, axis="+z", radius=1)
     assert beam.irradiance == pytest.approx(1.0, rel=1e-15)
     for source in (disk, sphere, beam):
-        assert source.packed() == (1.0,)
+        assert source.packed() == {"radius": 1.0}
     for source in (cosine, disk, sphere, beam):
         assert all(math.isfinite(value) for value, _ in source.derived().values())
 

@@ -39,8 +39,7 @@ HOST = {
 
 # What of the device's side is known outside it; where nothing stands, nothing is.
 ACROSS = {
-    "geometry": "program",  # width and stack of the tree
-    "compile": "program run",
+    "compile": "errors program run",
     "result": "assets run",
     "run": "errors device program run",
     "stability": "device run",

@@ -13,57 +13,10 @@ from kind_names import KINDS, in_kernel, in_python, places
 
 ROOT = Path(__file__).resolve().parents[2]
 
-KNOWN = {
-    "hostcode/program/program.py": "sphere",
-    "kernels/lib/local.mako": "baffled-tube",
-    "kernels/lib/shade.mako": "absorber fresnel lambertian mirror",
-    "photizon_cl/checks/advisories.py": (
-        "absorber fresnel lambertian lambertian-sphere mirror sphere"
-    ),
-    "photizon_cl/checks/flush.py": "disk",
-    "photizon_cl/compile/effects/table.py": (
-        "absorber baffled-tube biconvex collimated-disk cosine-point cpc disk fresnel "
-        "isotropic-point lambertian lambertian-disk lambertian-sphere mirror plano-convex "
-        "rectangle sphere"
-    ),
-    "photizon_cl/compile/packing.py": "sphere",
-    "photizon_cl/geometry/areas.py": "disk rectangle sphere",
-    "photizon_cl/geometry/contact.py": "baffled-tube sphere",
-    "photizon_cl/geometry/outlines.py": (
-        "baffled-tube biconvex cpc disk plano-convex rectangle sphere"
-    ),
-    "photizon_cl/geometry/wedges.py": "baffled-tube disk rectangle sphere",
-    "photizon_cl/result/maps.py": "sphere",
-    "photizon_cl/scene/elements/base.py": (
-        "absorber disk fresnel lambertian mirror rectangle sphere"
-    ),
-    "photizon_cl/views/drawing/plot.py": "absorber fresnel lambertian mirror",
-    "photizon_cl/views/drawing/view.py": "isotropic-point lambertian-sphere",
-    "photizon_cl/views/figures/maps.py": "disk",
-    "photizon_cl/views/report/claims.py": "fresnel",
-}
-"""Files that still name kinds, and which. It only ever shrinks: what is gone must go from here."""
-
 
 def test_no_kind_is_named_outside_its_own_file():
-    found = places(ROOT)
-    new = [
-        f"{file}:{line}: {kind}"
-        for file, line, kind in found
-        if kind not in KNOWN.get(file, "").split()
-    ]
-    assert not new, "\n".join(["a kind is named here:", *new])
-
-
-def test_what_is_known_is_still_there():
-    there = {(file, kind) for file, _, kind in places(ROOT)}
-    gone = [
-        f"{file}: {kind}"
-        for file, kinds in KNOWN.items()
-        for kind in kinds.split()
-        if (file, kind) not in there
-    ]
-    assert not gone, "\n".join(["no longer named, take it off the list:", *gone])
+    found = [f"{file}:{line}: {kind}" for file, line, kind in places(ROOT)]
+    assert not found, "\n".join(["a kind is named here:", *found])
 
 
 # -- the test itself -------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ class Detector(Effect):
     """Arrivals on the side that a detector counts."""
 
     name: ClassVar[str] = "detector"
-    what: ClassVar[str] = "arrivals on the faced side of an absorber are counted"
+    what: ClassVar[str] = "arrivals on the side that a detector faces are counted"
     costs: ClassVar[str] = "one tally event an arrival"
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:

@@ -113,8 +113,8 @@ class Element(Described):
                     "detector",
                     show(given),
                     f"no detector on a {optics.kind} surface",
-                    hint="a detector counts what ends on it, and this surface sends a part of "
-                    "what arrives on; put it on an absorber",
+                    hint="a detector counts what ends on a surface, or passes it, and this one "
+                    "sends a part of what arrives back or aside; take one that carries a detector",
                 )
             )
         if cls.flat and detector.get("side") is not None:

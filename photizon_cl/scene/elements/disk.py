@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import ClassVar
 
-from photizon_cl.scene.areas import disk_areas
+from photizon_cl.scene.areas import circle_areas
 from photizon_cl.scene.bins import MapBins
 from photizon_cl.scene.elements.flat import Flat
 from photizon_cl.scene.faces import Circular
@@ -59,6 +59,6 @@ class Disk(Flat):
         return MapBins(
             x=across("u", self.radius, nx),
             y=across("v", self.radius, ny),
-            area_of=partial(disk_areas, self.radius, nx, ny),
+            area_of=partial(circle_areas, self.radius, nx, ny),
             rims=(self.radius,),
         )

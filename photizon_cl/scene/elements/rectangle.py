@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import ClassVar
 
-from photizon_cl.scene.areas import rectangle_areas
+from photizon_cl.scene.areas import even_areas
 from photizon_cl.scene.bins import MapBins
 from photizon_cl.scene.elements.flat import Flat
 from photizon_cl.scene.faces import Rectangular
@@ -66,5 +66,5 @@ class Rectangle(Flat):
         return MapBins(
             x=across("u", self.half_width, nx),
             y=across("v", self.half_height, ny),
-            area_of=partial(rectangle_areas, self.half_width, self.half_height, nx, ny),
+            area_of=partial(even_areas, self.half_width, self.half_height, nx, ny),
         )

@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.areas import sphere_areas
+from photizon_cl.scene.areas import zone_areas
 from photizon_cl.scene.bins import MapBins
 from photizon_cl.scene.elements.base import Element
 from photizon_cl.scene.faces import Ball
@@ -139,7 +139,7 @@ class Sphere(Element):
         return MapBins(
             x=Azimuth(nx),
             y=polar_cosine(self.radius, ny),
-            area_of=partial(sphere_areas, self.radius, self.port_fraction, nx, ny),
+            area_of=partial(zone_areas, self.radius, self.port_fraction, nx, ny),
         )
 
     @property
