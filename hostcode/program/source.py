@@ -47,8 +47,9 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
         filters = dict.fromkeys(entry for form in spec.forms for entry in form.filters)
         parts += [(f"filters/{stem}", {"option": option}) for stem, option in filters]
     names = [*at("tally"), *at("survive"), "lib/shade", "lib/survive", "lib/sources"]
-    names += [f"sources/{source.stem}" for source in spec.sources]
-    names += ["lib/generate", "lib/queue", "lib/interaction", "lib/arguments"]
+    parts += [(name, {}) for name in names]
+    parts += [(f"sources/{kind.stem}", {"source": kind}) for kind in spec.sources]
+    names = ["lib/generate", "lib/queue", "lib/interaction", "lib/arguments"]
     names += [f"stages/{stage}" for stage in spec.stages]
     if spec.records and not _ALONE & set(spec.stages):
         names.append("stages/tally")

@@ -112,11 +112,29 @@ class SurfaceKind:
 
 @dataclass(frozen=True)
 class SourceKind:
-    """A source kind in use: stem of its kernel file, number, whether it draws a position."""
+    """A source kind in use.
+
+    Parameters
+    ----------
+    stem : str
+        Of its kernel file.
+    option : str
+        What its kernel is rendered with, a suffix of its function; empty where there is one.
+    number : int
+        Its number in the source table.
+    draws_position : bool
+        Whether it draws where rays start.
+    """
 
     stem: str
+    option: str
     number: int
     draws_position: bool
+
+    @property
+    def suffix(self) -> str:
+        """Suffix of its function."""
+        return f"{self.stem}_{self.option}" if self.option else self.stem
 
 
 @dataclass(frozen=True)

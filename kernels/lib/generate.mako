@@ -1,4 +1,4 @@
-## sources: the source kinds in use, each with .stem, .number and .draws_position; ray_fields
+## sources: the source kinds in use, each with .suffix, .number and .draws_position; ray_fields
 // Fresh rays into the lanes set in m: ray i of the batch in slot `slot`.
 // reads: source table, draws DECIDE_DIRECTION and (sources that draw one) DECIDE_POSITION.
 // writes: every field of the packet's lanes in m.
@@ -23,7 +23,7 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
 % if len(sources) > 1:
             ${"else " if n else ""}if (source[SOURCE_KIND] == ${s.number}.0)
 % endif
-            emit_${s.stem}(source, u, v, pu, pv, &sx, &sy, &sz, &sdx, &sdy, &sdz);
+            emit_${s.suffix}(source, u, v, pu, pv, &sx, &sy, &sz, &sdx, &sdy, &sdz);
 % endfor
             x = SEL(k, sx, x); y = SEL(k, sy, y); z = SEL(k, sz, z);
             dx = SEL(k, sdx, dx); dy = SEL(k, sdy, dy); dz = SEL(k, sdz, dz);

@@ -1,5 +1,6 @@
+## source: the source kind; rendered once for each option
 // reads: frame, radius.  Parallel to the axis, uniform by area over the disk (r = R sqrt(u)).
-FN void emit_collimated_disk(__global const double *source, real u, real v, real pu, real pv,
+FN void emit_${source.suffix}(__global const double *source, real u, real v, real pu, real pv,
                              real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(pv, &s, &c);

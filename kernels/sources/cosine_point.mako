@@ -1,5 +1,6 @@
+## source: the source kind; rendered once for each option
 // reads: frame.  Cosine lobe about the axis: sin^2 theta = u, cos theta = sqrt(1 - u) > 0.
-FN void emit_cosine_point(__global const double *source, real u, real v, real pu, real pv,
+FN void emit_${source.suffix}(__global const double *source, real u, real v, real pu, real pv,
                           real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(v, &s, &c);

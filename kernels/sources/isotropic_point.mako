@@ -1,5 +1,6 @@
+## source: the source kind; rendered once for each option
 // reads: nothing.  Uniform over the sphere: cos theta = 1 - 2u in (-1, 1], phi = 2 pi v.
-FN void emit_isotropic_point(__global const double *source, real u, real v, real pu, real pv,
+FN void emit_${source.suffix}(__global const double *source, real u, real v, real pu, real pv,
                              real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(v, &s, &c);

@@ -1,5 +1,6 @@
+## source: the source kind; rendered once for each option
 // reads: frame, radius.  Uniform by area over the disk (r = R sqrt(u)), cosine lobe about the axis.
-FN void emit_lambertian_disk(__global const double *source, real u, real v, real pu, real pv,
+FN void emit_${source.suffix}(__global const double *source, real u, real v, real pu, real pv,
                              real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(pv, &s, &c);

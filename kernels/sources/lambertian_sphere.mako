@@ -1,5 +1,6 @@
+## source: the source kind; rendered once for each option
 // reads: radius.  Uniform by area over the shell, cosine lobe about the outward normal.
-FN void emit_lambertian_sphere(__global const double *source, real u, real v, real pu, real pv,
+FN void emit_${source.suffix}(__global const double *source, real u, real v, real pu, real pv,
                                real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(pv, &s, &c);

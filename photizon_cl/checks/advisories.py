@@ -80,7 +80,7 @@ def _blind_detectors(scene: Scene) -> Iterator[str]:
         if element.detector is None:
             continue
         if all(_is_behind(element, source) for source in scene.source):
-            advice = "turn its axis" if element.flat else "name the other side"
+            advice = "name the other side"
             yield (
                 f'the detector on "{element.name}" faces away from every source and nothing '
                 f"reflects light to its face: it will read zero; {advice}"

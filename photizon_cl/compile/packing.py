@@ -77,8 +77,8 @@ def columns(scene: Scene) -> tuple[tuple[str, int], ...]:
 
 def source_kinds(scene: Scene) -> tuple[SourceKind, ...]:
     """Return the source kinds in use, by name."""
-    kinds = sorted({(s.kernel, s.draws_position) for s in scene.source})
-    return tuple(SourceKind(stem, n, draws) for n, (stem, draws) in enumerate(kinds))
+    kinds = sorted({(s.kernel, s.option, s.draws_position) for s in scene.source})
+    return tuple(SourceKind(stem, o, n, draws) for n, (stem, o, draws) in enumerate(kinds))
 
 
 def source_table(
@@ -89,7 +89,7 @@ def source_table(
     stride: Strides,
 ) -> NDArray[np.float64]:
     """Return the rows of the source table."""
-    number = {kind.stem: kind.number for kind in kinds}
+    number = {(kind.stem, kind.option): kind.number for kind in kinds}
     scene = draft.scene
     table = np.zeros((len(scene.source), stride.source))
     first = 0
@@ -103,7 +103,7 @@ def source_table(
                 "weight": weight,
                 "first_ray": first,
                 "end_ray": first + n,
-                "kind": number[source.kernel],
+                "kind": number[source.kernel, source.option],
             }
         )
         values += source.row.pack(source.packed())

@@ -18,7 +18,9 @@ __all__ = ["run_advisories"]
 _CAPPED: Final = 1e-6  # depth-capped part of the flux that is worth a word
 _LIT: Final = 0.5  # part of the map bins that should be lit
 
-_OTHER_SIDE: Final = {"inside": "outside", "outside": "inside"}
+_OTHER_SIDE: Final = {
+    "inside": "outside", "outside": "inside", "front": "back", "back": "front",
+}  # fmt: skip
 
 
 def run_advisories(result: Estimates) -> list[str]:
@@ -59,9 +61,6 @@ def _dark_detectors(result: Estimates) -> Iterator[str]:
 
 
 def _turn(element: Element) -> str:
-    if element.flat:
-        other = ("-" if element.axis[0] == "+" else "+") + element.axis[1]
-        return f'turn its axis from "{element.axis}" to "{other}"'
     side = element.detector_side or element.default_side
     return f'set its side to "{_OTHER_SIDE[side]}" (it is "{side}")'
 

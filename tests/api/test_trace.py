@@ -291,7 +291,7 @@ def test_a_detector_that_faces_away_is_named_with_the_remedy():
     assert result.ledger.absorbed["target"].value > 0.5
     text = next(t for t in result.advisories if "reads exactly nothing" in t)
     assert '"target"' in text
-    assert 'turn its axis from "-z" to "+z"' in text
+    assert 'set its side to "back" (it is "front")' in text
 
 
 def test_depth_capped_power_is_told():

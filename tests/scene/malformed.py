@@ -189,7 +189,7 @@ CASES = [
     one("detector on glass", (*E2, "detector"), {"side": "outside"}, "element[2].detector",
         '{side = "outside"}', "no detector on a fresnel surface"),
     one("side on flat", (*E0, "detector", "side"), "inside", "element[0].detector.side",
-        '"inside"', "no side on a rectangle"),
+        '"inside"', 'one of "front" "back"'),
     one("bad side", (*E0, "detector", "side"), "front", "element[0].detector.side", '"front"',
         'one of "inside" "outside"'),
     one("map of zero", (*E0, "detector", "map", 0), 0, "element[0].detector.map[0]", "0", BINS),

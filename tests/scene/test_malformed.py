@@ -194,7 +194,7 @@ def test_hints_say_what_to_do():
     assert hint("element", 1, "radius", True) == "a boolean is not a number"
     assert "two brackets" in hint("element", {})
     assert hint("element", 0, "surface", "absorber") == 'write { kind = "absorber" }'
-    assert "counts what ends on it" in hint("element", 1, "detector", {})
+    assert "counts what ends on a surface" in hint("element", 1, "detector", {})
     assert "close the port" in hint("element", 2, "port_fraction", 0.1)
     assert hint("source", 1, "share", 2.0).startswith("source[1] gives one")
 

@@ -248,7 +248,7 @@ def test_detector_that_faces_away():
     detector = pz.Detector()
     away = plate(axis="-z", detector=detector)
     (line,) = advisories([point(0, 0, 1)], [away])
-    assert "turn its axis" in line
+    assert "name the other side" in line
     assert advisories([point(0, 0, 1)], [plate(detector=detector)]) == []
     assert advisories([point(0, 0, 1)], [away, plate(pz.Mirror(1), z=-2.0, name="m")]) == []
     (line,) = advisories([point(0, 0, 3)], [ball(detector=detector)])

@@ -30,7 +30,7 @@ _INTRO = {
     "element": "What light can hit: a piece of geometry with one surface.",
     "surface": "What a ray that hits an element does.",
     "source": "Where rays start. Sources do not block light.",
-    "detector": "What is counted on an absorbing element.",
+    "detector": "What is counted of what arrives at an element.",
 }
 
 
@@ -108,8 +108,8 @@ def _geometry(cls: type[Any]) -> str:
     place = _sentences(cls, "`position`") or "`position` is where it sits, `axis` its local w."
     normal = _sentences(cls, "ormal")
     side = (
-        "It is flat: a detector on it counts what arrives against its normal, and turning its "
-        "`axis` turns the detector."
+        'It is flat: a detector on it counts what arrives against its normal, `side = "front"`, or '
+        'on its `"back"`; without a name the front.'
         if cls.flat
         else f'A detector on it counts the side that it names, `side = "inside"` or '
         f'`"outside"`; without a name `"{cls.default_side}"`.'
@@ -132,14 +132,14 @@ def _takes(cls: type[Any], item: Any) -> str:
         "power": Detector(),
         "map": Detector(map=(4, 4)),
         "generations": Detector(generations=4),
-        "side": Detector(side="inside"),
+        "side": Detector(side="front" if cls.flat else "inside"),
     }
     black = GROUPS["surface"]["absorber"]()
     at = link("detector", "detector")
     for what, detector in tried.items():
         verdict = _verdict(bare, item, surface=black, detector=detector)
         rows.append((f"{at}: {what}", verdict))
-    lead = "A detector stands on an `absorber` only.\n"
+    lead = "A detector stands on an `absorber`, or on what light passes.\n"
     return f"## What it takes\n\n{table(('what', 'taken?'), rows)}\n{lead}"
 
 
@@ -199,8 +199,7 @@ def _taken_by(surface: Any) -> str:
     detector = (
         "It can carry a [detector](/parts/detectors/index.md)."
         if carries
-        else "It carries no detector: one counts what ends on it, and only on an `absorber` "
-        "everything that arrives ends."
+        else "It carries no detector: one counts what ends on a surface, or passes it."
     )
     splits = " A ray that hits it goes on as two." if surface.splits else ""
     return f"## Where it goes\n\n{table(('element', 'taken?'), rows)}\n{detector}{splits}\n"
@@ -217,7 +216,7 @@ def _carried_by() -> str:
         element: Any = cls
         bare = _bare(element)
         a_map = _verdict(bare, bare, surface=black, detector=Detector(map=(4, 4)))
-        side = "its normal's" if element.flat else f"`{element.default_side}`, or the one named"
+        side = f"`{element.default_side}`, or the one named"
         rows.append((link("element", name), a_map, side))
     return f"## Where it goes\n\n{table(('element', 'map?', 'side that is counted'), rows)}"
 

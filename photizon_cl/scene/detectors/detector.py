@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.elements.base import Element
     from photizon_cl.scene.filters.base import Filter
 
-SIDES: Final = ("inside", "outside")
+SIDES: Final = ("front", "back", "inside", "outside")
 MAX_BINS: Final = 8192
 MAX_GENERATIONS: Final = 4096
 
@@ -22,9 +22,9 @@ MAX_GENERATIONS: Final = 4096
 class Detector(Described):
     """A one-sided detector: total power, and on request an irradiance map and a generation ladder.
 
-    It stands on an absorber only, and counts the arrivals on the side that it faces: against the
-    normal of a flat element, on the named side of a curved one. The ledger's absorbed row counts
-    both sides whatever the detector does. ``Detector()`` is a power bucket.
+    It counts the arrivals on one side of an absorber, where they end, or of a surface that light
+    passes. The ledger's absorbed row counts both sides whatever the detector does. ``Detector()``
+    is a power bucket.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ class Detector(Described):
         G entries of the ladder, 1 … 4096. Entry g is the power (W) that arrived after g surface
         interactions; the last one collects g ≥ G − 1.
     side : str, optional
-        ``"inside"`` or ``"outside"`` of a curved element; None takes the element's default, and
-        a flat element takes nothing else.
+        ``"front"`` (arrivals against the normal) or ``"back"`` of a flat element, ``"inside"`` or
+        ``"outside"`` of a curved one; None takes the element's default.
     """
 
     label: ClassVar[str] = "detector"
@@ -50,7 +50,7 @@ class Detector(Described):
     generations: int | None = field(
         default=None, metadata=integer(1, MAX_GENERATIONS, "entries of the generation ladder")
     )
-    side: str | None = field(default=None, metadata=choice(SIDES, "side of a curved element"))
+    side: str | None = field(default=None, metadata=choice(SIDES, "side that is counted"))
 
     def tallies(self, element: Element) -> list[tuple[str, tuple[Filter, ...]]]:
         """Return name and filters of each tally that it divides arrivals by on an element."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.described import Described, Known, Nested
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from photizon_cl.scene.faces import Face
     from photizon_cl.scene.rows import Row
 
+FLAT_SIDES: Final = ("front", "back")
+CURVED_SIDES: Final = ("inside", "outside")
 _ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bring it to a face
 
 
@@ -117,13 +119,15 @@ class Element(Described):
                     "sends a part of what arrives back or aside; take one that carries a detector",
                 )
             )
-        if cls.flat and detector.get("side") is not None:
+        side, sides = detector.get("side"), FLAT_SIDES if cls.flat else CURVED_SIDES
+        if side is not None and side not in sides:
+            body = "flat: its front is the side that its normal points to" if cls.flat else "curved"
             problems.append(
                 Problem(
                     "detector.side",
-                    show(detector.get("side")),
-                    f"no side on a {cls.kind}",
-                    hint="a flat detector counts arrivals against its normal; turn its axis",
+                    show(side),
+                    f"one of {show(sides[0])} {show(sides[1])}",
+                    hint=f"a {cls.kind} is {body}",
                 )
             )
         if not cls.has_map and detector.get("map") is not None:
@@ -154,7 +158,7 @@ class Element(Described):
 
     @property
     def detector_side(self) -> str | None:
-        """Side that the detector counts: front, inside or outside; None without a detector."""
+        """Side that the detector counts, one of `SIDES`; None without a detector."""
         if self.detector is None:
             return None
         return self.detector.side or self.default_side

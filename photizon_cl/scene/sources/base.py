@@ -85,6 +85,11 @@ class Source(Described):
             return [at[np.newaxis]]
         return [at + line for line in self.face.sketch(np.array(self.frame))]
 
+    @property
+    def option(self) -> str:
+        """What its kernel is rendered with beside its kind; empty where it has just one form."""
+        return ""
+
     def packed(self) -> dict[str, float]:
         """Return the values of its row's columns by name."""
         return {}
