@@ -24,10 +24,10 @@ from photizon_cl.scene.sources.isotropic_point import IsotropicPoint as Isotropi
 from photizon_cl.scene.sources.lambertian_disk import LambertianDisk as LambertianDisk
 from photizon_cl.scene.sources.lambertian_sphere import LambertianSphere as LambertianSphere
 from photizon_cl.scene.surfaces.absorber import Absorber as Absorber
+from photizon_cl.scene.surfaces.clear import Clear as Clear
 from photizon_cl.scene.surfaces.fresnel import Fresnel as Fresnel
 from photizon_cl.scene.surfaces.lambertian import Lambertian as Lambertian
 from photizon_cl.scene.surfaces.mirror import Mirror as Mirror
-
 if TYPE_CHECKING:
     from photizon_cl.scene.elements.base import Element as _Element
     from photizon_cl.scene.sources.base import Source as _Source
@@ -55,6 +55,7 @@ SURFACES: Final[dict[str, type[_Surface]]] = _by_kind(
     Mirror,
     Lambertian,
     Fresnel,
+    Clear,
 )
 
 SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
