@@ -28,6 +28,8 @@ from photizon_cl.scene.surfaces.clear import Clear as Clear
 from photizon_cl.scene.surfaces.fresnel import Fresnel as Fresnel
 from photizon_cl.scene.surfaces.lambertian import Lambertian as Lambertian
 from photizon_cl.scene.surfaces.mirror import Mirror as Mirror
+from photizon_cl.scene.surfaces.mixed import Mixed as Mixed
+
 if TYPE_CHECKING:
     from photizon_cl.scene.elements.base import Element as _Element
     from photizon_cl.scene.sources.base import Source as _Source
@@ -56,6 +58,7 @@ SURFACES: Final[dict[str, type[_Surface]]] = _by_kind(
     Lambertian,
     Fresnel,
     Clear,
+    Mixed,
 )
 
 SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
