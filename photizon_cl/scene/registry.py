@@ -19,6 +19,7 @@ from photizon_cl.scene.elements.plano_convex import PlanoConvex as PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle as Rectangle
 from photizon_cl.scene.elements.sphere import Sphere as Sphere
 from photizon_cl.scene.sources.collimated_disk import CollimatedDisk as CollimatedDisk
+from photizon_cl.scene.sources.cone_point import ConePoint as ConePoint
 from photizon_cl.scene.sources.cosine_point import CosinePoint as CosinePoint
 from photizon_cl.scene.sources.isotropic_point import IsotropicPoint as IsotropicPoint
 from photizon_cl.scene.sources.lambertian_disk import LambertianDisk as LambertianDisk
@@ -67,6 +68,7 @@ SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
     LambertianDisk,
     LambertianSphere,
     CollimatedDisk,
+    ConePoint,
 )
 
 DETECTORS: Final[dict[str, type[_Detector]]] = _by_kind(_Detector)
