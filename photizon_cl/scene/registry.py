@@ -23,6 +23,9 @@ from photizon_cl.scene.sources.cone_point import ConePoint as ConePoint
 from photizon_cl.scene.sources.cosine_point import CosinePoint as CosinePoint
 from photizon_cl.scene.sources.isotropic_point import IsotropicPoint as IsotropicPoint
 from photizon_cl.scene.sources.lambertian_disk import LambertianDisk as LambertianDisk
+from photizon_cl.scene.sources.lambertian_rectangle import (
+    LambertianRectangle as LambertianRectangle,
+)
 from photizon_cl.scene.sources.lambertian_sphere import LambertianSphere as LambertianSphere
 from photizon_cl.scene.surfaces.absorber import Absorber as Absorber
 from photizon_cl.scene.surfaces.clear import Clear as Clear
@@ -69,6 +72,7 @@ SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
     LambertianSphere,
     CollimatedDisk,
     ConePoint,
+    LambertianRectangle,
 )
 
 DETECTORS: Final[dict[str, type[_Detector]]] = _by_kind(_Detector)
