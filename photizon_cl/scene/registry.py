@@ -14,6 +14,7 @@ from photizon_cl.scene.detectors.detector import Detector as _Detector
 from photizon_cl.scene.elements.baffled_tube import BaffledTube as BaffledTube
 from photizon_cl.scene.elements.biconvex import Biconvex as Biconvex
 from photizon_cl.scene.elements.cpc import Cpc as Cpc
+from photizon_cl.scene.elements.cylinder import Cylinder as Cylinder
 from photizon_cl.scene.elements.disk import Disk as Disk
 from photizon_cl.scene.elements.plano_convex import PlanoConvex as PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle as Rectangle
@@ -48,6 +49,7 @@ ELEMENTS: Final[dict[str, type[_Element]]] = _by_kind(
     BaffledTube,
     PlanoConvex,
     Biconvex,
+    Cylinder,
 )
 
 SURFACES: Final[dict[str, type[_Surface]]] = _by_kind(
