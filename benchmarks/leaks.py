@@ -18,6 +18,10 @@ from hostcode.program.plan import default_plan
 from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cone import Cone
+from photizon_cl.scene.elements.conic import Conic, equator
+from photizon_cl.scene.elements.cylinder import Cylinder
+from photizon_cl.scene.elements.disk import Disk
 from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
@@ -62,6 +66,69 @@ def closed_bodies() -> dict[str, Scene]:
         add(f"biconvex, {kind}", [lens], inside)
         half = PlanoConvex(**tilted, aperture_radius=1.0, curvature_radius=1.5, surface=surface)
         add(f"plano-convex, {kind}", [half], inside)
+        for name, walls in round_bodies(tilted, surface).items():
+            add(f"{name}, {kind}", walls, on_axis(walls[0]))
+    return made
+
+
+def on_axis(wall: Any) -> tuple[float, ...]:
+    """Return a point on the axis of a wall of revolution, between its rims."""
+    low, high = wall.heights
+    place = np.add(wall.position, (0.4 * low + 0.6 * high) * np.array(wall.frame[2]))
+    return tuple(place.tolist())
+
+
+def round_bodies(where: dict[str, Any], surface: Any) -> dict[str, list[Any]]:
+    """Return walls of revolution, each closed by disks or by another wall.
+
+    Parameters
+    ----------
+    where : dict
+        Name, position, axis and tilt of the walls.
+    surface : Surface
+        Of everything.
+    """
+    made: dict[str, list[Any]] = {}
+
+    def close(name: str, wall: Any, rims: dict[float, tuple[float, ...]]) -> None:
+        """Add disks of the radii at heights; with two radii an annulus and the disk in its hole."""
+        parts = [wall]
+        for z, radii in rims.items():
+            place = np.add(wall.position, z * np.array(wall.frame[2]))
+            for n, radius in enumerate(radii):
+                sizes = {"radius": radius, "inner_radius": (*radii, 0.0)[n + 1]}
+                at: Any = tuple(place.tolist())
+                lid = {**where, "name": f"lid {len(parts)}", "position": at}
+                parts.append(Disk(**lid, **sizes, surface=surface))
+        made[name] = parts
+
+    tube = Cylinder(**where, radius=0.4, length=1.1, surface=surface)
+    close("cylinder", tube, {0.0: (0.4,), 1.1: (0.4,)})
+    close("cylinder with annulus", tube, {0.0: (0.4, 0.15), 1.1: (0.4,)})
+    frustum = Cone(**where, entrance_radius=0.5, exit_radius=0.2, length=0.7, surface=surface)
+    close("frustum", frustum, {0.0: (0.5,), 0.7: (0.2,)})
+    full = Cone(**where, entrance_radius=0.0, exit_radius=0.6, length=0.7, surface=surface)
+    close("cone", full, {0.7: (0.6,)})
+    for name, k, aperture in (
+        ("paraboloid", -1.0, 0.8),
+        ("hyperboloid", -2.5, 0.9),
+        ("half an ellipsoid", -0.6, equator(0.5, -0.6)),
+        ("ellipsoid", -0.6, 0.6),
+        ("shallow sheet", -1.0, 0.02),
+    ):
+        sheet = Conic(
+            **where,
+            curvature_radius=0.5,
+            conic_constant=k,
+            aperture_radius=aperture,
+            surface=surface,
+        )
+        close(name, sheet, {sheet.heights[1]: (aperture,)})
+    holed = Conic(
+        **where, curvature_radius=0.5, aperture_radius=0.4, inner_radius=0.1, surface=surface
+    )
+    low, high = holed.heights
+    close("holed sheet", holed, {high: (0.4,), low: (0.1,)})
     return made
 
 

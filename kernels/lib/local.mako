@@ -47,7 +47,7 @@ FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, 
 FN real moved_${cls.suffix}(const scene_t *scene, lint row, const packet_t *p, const hit_t *h, real x, real y, real z);
 % endif
 % if "own-sides" in cls.traits:
-// Where the ray came from the - side whatever rounding says, and what counts as inside from either side.
+// Where the ray came from which side whatever rounding says, and what counts as inside from either side.
 FN void sides_${cls.suffix}(const packet_t *p, const hit_t *h, mask m, contact_t *c);
 % endif
 

@@ -43,6 +43,7 @@ typedef struct {
     mask came_plus;
     mask inner;       // a detector counts it as on the - side, wherever it came from
     mask from_minus;  // came from the - side whatever the rounding of d.n says
+    mask from_plus;   // came from the + side whatever it says
 } contact_t;
 
 // Columns of the tables' rows, as the kinds in use declare them.  An element's row begins with its

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.scene.elements import Element
+    from photizon_cl.scene.faces import Outline
 
     Line = NDArray[np.float64]
     """Points of a polyline, shape (k, 3), in metres."""
@@ -152,6 +153,8 @@ def _cut_plane(face: Plane, normal: Line, offset: float) -> list[Line]:
     gap = _chord(holes[0], holes[0] @ normal - offset) if holes else None
     if gap is None:
         return [chord]
+    assert face.hole is not None
+    gap = _to_rim(face, face.hole, gap)
     along = chord[1] - chord[0]
     if (gap[1] - gap[0]) @ along < 0.0:
         gap = gap[::-1]
@@ -165,6 +168,20 @@ def _chord(polygon: Line, heights: Line) -> Line | None:
         if (ha < 0.0) != (hb < 0.0):
             found.append(a + (b - a) * (ha / (ha - hb)))
     return np.stack([found[0], found[-1]]) if len(found) >= 2 else None
+
+
+def _to_rim(face: Plane, outline: Outline, chord: Line) -> Line:
+    """Return a chord whose ends are moved along it from the outline's polygon onto the outline."""
+    ends = []
+    for a, b in (chord, chord[::-1]):
+        along = (a - b) / (float(np.linalg.norm(a - b)) or 1.0)
+        inside, outside = 0.0, 2.0 * outline.reach
+        for _ in range(60):
+            middle = 0.5 * (inside + outside)
+            x, y, _ = face.within(tuple((a + middle * along).tolist()))
+            inside, outside = (middle, outside) if outline.holds(x, y) else (inside, middle)
+        ends.append(a + outside * along)
+    return np.stack(ends)
 
 
 def _cut_revolved(face: Revolved, normal: Line, offset: float) -> list[Line]:

@@ -46,7 +46,7 @@ def edge_factors(near: Neighbours) -> NDArray[np.float64]:
     ndarray, shape (n, 4), float64
         For the edges at +u, −u, +v and −v: 1/sin of the smallest angle that a rectangle makes with
         a plane face on which this edge lies, or a disk with the surface of revolution on which its
-        rim lies, if that is more than 2; else 1.
+        rim or that of its hole lies, if that is more than 2; else 1.
     """
     elements = near.elements
     factors = np.ones((len(elements), 4))
@@ -123,10 +123,10 @@ def _rim_on(flat: Element, other: Element, faces: PlaneFaces, at: int, room: flo
     assert isinstance(plane, Plane)
     assert isinstance(curved, Revolved)
     centre, normal = (tuple(v[at].tolist()) for v in (faces.centres, faces.frames[:, 2]))
-    found = curved.rim_sine(
-        other.local(centre), to_local(other.frame, normal), plane.outline.rounding, room
-    )
-    return 1.0 if found is None else found
+    place, along = other.local(centre), to_local(other.frame, normal)
+    rims = [plane.outline] if plane.hole is None else [plane.outline, plane.hole]
+    found = [curved.rim_sine(place, along, rim.rounding, room) for rim in rims]
+    return min((sine for sine in found if sine is not None), default=1.0)
 
 
 # -- plane faces ---------------------------------------------------------------------------------

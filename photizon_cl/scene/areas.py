@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.scene.ring_areas import less_sine, ring_areas
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -40,24 +42,30 @@ def zone_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArray
     return np.repeat(rows[:, np.newaxis], nx, axis=1)
 
 
-def circle_areas(radius: float, nx: int, ny: int) -> NDArray[np.float64]:
-    """Return the area that each bin of the bounding square shares with the disk.
+def circle_areas(radius: float, nx: int, ny: int, inner: float = 0.0) -> NDArray[np.float64]:
+    """Return the area that each bin of the bounding square shares with a disk or annulus.
 
     Returns
     -------
     ndarray, shape (ny, nx), float64
-        Square metres; the sum is πr².
+        Square metres; the sum is π(R² − r²).
     """
     # By symmetry every bin is one or two (an odd middle one: two mirrored halves) bins of a
     # quadrant of the unit disk.
     x0, x1, mx = _folded(nx)
     y0, y1, my = _folded(ny)
     quadrant = _quadrant_areas(x0[np.newaxis], x1[np.newaxis], y0[:, np.newaxis], y1[:, np.newaxis])
-    areas: NDArray[np.float64] = quadrant * (mx[np.newaxis] * my[:, np.newaxis] * radius * radius)
+    times, unit = mx[np.newaxis] * my[:, np.newaxis], radius * radius
     # Which bins lie wholly outside or inside is decided in integers, since a corner may stand
     # exactly on the circle; whole bins are equal.
-    areas[_corners(x0, y0, nx, ny) >= (nx * ny) ** 2] = 0.0
-    areas[_corners(x1, y1, nx, ny) <= (nx * ny) ** 2] = (2.0 * radius / nx) * (2.0 * radius / ny)
+    quadrant[_corners(x0, y0, nx, ny) >= (nx * ny) ** 2] = 0.0
+    areas: NDArray[np.float64] = quadrant * (times * unit)
+    full = _corners(x1, y1, nx, ny) <= (nx * ny) ** 2
+    areas[full] = (2.0 * radius / nx) * (2.0 * radius / ny)
+    if inner:
+        j, i = np.nonzero(np.hypot(x0, y0[:, np.newaxis]) * radius < inner)
+        ring = ring_areas(x0[i], x1[i], y0[j], y1[j], radius, inner)
+        areas[j, i] = ring * (times * unit)[j, i]
     return areas
 
 
@@ -96,19 +104,9 @@ def _quadrant_areas(
     strip = (a - x0) * (y1 - y0)
     trapezoid = (b - a) * 0.5 * ((ya - y0) + (yb - y0))
     angle = 2.0 * np.arcsin(np.minimum(0.5 * np.hypot(b - a, yb - ya), 1.0))
-    return strip + trapezoid + 0.5 * _less_sine(angle)
+    return strip + trapezoid + 0.5 * less_sine(angle)
 
 
 def _height(x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return sqrt(1 − x²)."""
     return np.asarray(np.sqrt((1.0 - x) * (1.0 + x)), dtype=np.float64)
-
-
-def _less_sine(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return angle − sin(angle) for 0 ≤ angle ≤ π/2 without cancellation."""
-    square = angle * angle
-    series = np.ones_like(angle)
-    for k in (17, 15, 13, 11, 9, 7, 5):
-        series = 1.0 - square / ((k - 1) * k) * series
-    small = angle * square / 6.0 * series
-    return np.where(angle < 1.0, small, angle - np.sin(angle))

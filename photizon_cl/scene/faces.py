@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Line = NDArray[np.float64]
     """Points of a polyline, shape (k, 2) in a plane or (k, 3)."""
 
-__all__ = ["Ball", "Circular", "Face", "Outline", "Plane", "Rectangular", "Revolved"]
+__all__ = ["Ball", "Circular", "Face", "Outline", "Plane", "Rectangular", "Revolved", "Straight"]
 
 _TURN: Final = np.linspace(0.0, 2.0 * np.pi, 181)
 _SKETCH: Final = np.linspace(0.0, 2.0 * np.pi, 91)
@@ -302,6 +302,26 @@ class Revolved(Face):
         sine = self._sine(place)
         off = abs(float(self.profile(np.array([place]))[0][0]) - radius)
         return sine if off * sine <= room else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Straight(Revolved):
+    """A surface of revolution with a straight profile from height 0 up.
+
+    Parameters
+    ----------
+    radii : tuple of float
+        At its lower and at its upper end, in metres.
+    length : float
+        Along the axis, in metres.
+    """
+
+    radii: tuple[float, float]
+    length: float
+
+    def profile(self, s: Line) -> tuple[Line, Line]:  # noqa: D102
+        low, high = self.radii
+        return low + s * (high - low), s * self.length
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,10 @@ from photizon_cl.scene.described import Described
 from photizon_cl.scene.detectors.detector import Detector as _Detector
 from photizon_cl.scene.elements.baffled_tube import BaffledTube as BaffledTube
 from photizon_cl.scene.elements.biconvex import Biconvex as Biconvex
+from photizon_cl.scene.elements.cone import Cone as Cone
+from photizon_cl.scene.elements.conic import Conic as Conic
 from photizon_cl.scene.elements.cpc import Cpc as Cpc
+from photizon_cl.scene.elements.cylinder import Cylinder as Cylinder
 from photizon_cl.scene.elements.disk import Disk as Disk
 from photizon_cl.scene.elements.plano_convex import PlanoConvex as PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle as Rectangle
@@ -54,6 +57,9 @@ ELEMENTS: Final[dict[str, type[_Element]]] = _by_kind(
     BaffledTube,
     PlanoConvex,
     Biconvex,
+    Cylinder,
+    Cone,
+    Conic,
 )
 
 SURFACES: Final[dict[str, type[_Surface]]] = _by_kind(

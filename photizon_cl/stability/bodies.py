@@ -11,13 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 from photizon_cl.scene.elements.baffled_tube import BaffledTube
 from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cone import Cone
+from photizon_cl.scene.elements.conic import Conic
 from photizon_cl.scene.elements.cpc import Cpc
+from photizon_cl.scene.elements.cylinder import Cylinder
 from photizon_cl.scene.elements.disk import Disk
 from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle
 from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
 from photizon_cl.stability.digits import Vector, add, dot, load_mpmath, norm, scaled
+from photizon_cl.stability.quadrics import Quadric, lengths_of
 
 if TYPE_CHECKING:
     from photizon_cl.scene.elements import Element
@@ -58,6 +62,13 @@ class Face(ABC):
     @abstractmethod
     def roots(self, o: Vector, d: Vector, s: Vector) -> Roots:
         """Return where a line meets it."""
+
+    def blurs(self, o: Vector, d: Vector, s: Vector) -> list[tuple[Any, ...]]:
+        """Return places of a line; where all of a group lie on the face to rounding, all is right.
+
+        That is so at an apex, which may hit or miss, and of a line that runs within the face.
+        """
+        return []
 
 
 class Plane(Face):
@@ -243,6 +254,14 @@ class Paraboloid(Face):
         return t
 
 
+class Wall(Quadric, Face):
+    """The wall of a cylinder, a cone or a conic."""
+
+    def roots(self, o: Vector, d: Vector, s: Vector) -> Roots:
+        """Return where a line meets it."""
+        return Roots(*self.line(o, d, s))
+
+
 def _rectangle(p: Vector, s: Vector) -> Vector:
     return [s[0] - abs(p[0]), s[1] - abs(p[1])]
 
@@ -288,6 +307,8 @@ def _sizes(element: Element) -> tuple[Any, ...]:
         case Biconvex():
             a = element.aperture_radius
             return (a, _depth(element.front_radius, a), _depth(element.back_radius, a))
+        case Cylinder() | Cone() | Conic():
+            return lengths_of(element)
     raise TypeError(element.kind)
 
 
@@ -343,6 +364,8 @@ def faces_of(element: Element) -> list[Face]:
             return [Plane(2, -1, _zero, _disk), _cap(1, 1)]
         case Biconvex():
             return [_cap(1, 1), _cap(2, -1)]
+        case Cylinder() | Cone() | Conic():
+            return [Wall(element)]
     raise TypeError(element.kind)
 
 

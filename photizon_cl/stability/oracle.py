@@ -16,7 +16,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.cone import Cone
+from photizon_cl.scene.elements.conic import Conic
 from photizon_cl.scene.elements.cpc import Cpc
+from photizon_cl.scene.elements.cylinder import Cylinder
 from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.stability.bodies import Face, exact_frame, faces_of, sizes_of
@@ -30,7 +33,7 @@ __all__ = ["FIRM", "Candidate", "Verdict", "judge"]
 
 FIRM: Final = 8.0
 _STEP: Final = 1e-25
-_CLOSED: Final = (Sphere, Biconvex, PlanoConvex, Cpc)
+_CLOSED: Final = (Sphere, Biconvex, PlanoConvex, Cpc, Cylinder, Cone, Conic)
 
 
 @dataclass
@@ -184,6 +187,9 @@ def _roots(case: Case, posed: _Posed, index: int) -> list[tuple[Any, bool, bool]
     local_d = posed.to_local(x, d)
     roots = face.roots(local_o, local_d, x[12:])
     bound = FIRM * UNIT
+    for places in face.blurs(local_o, local_d, x[12:]):
+        if all(abs(posed.value(face, x, t)) <= bound * posed.sensitivity(face, t) for t in places):
+            return [(t, False, False) for t in (*roots.at, *places)]
     departed = case.left is not None and (case.left.element, case.left.face) == (
         posed.number,
         index,
@@ -214,7 +220,8 @@ def judge(case: Case) -> Verdict:
     everything: list[Candidate] = []
     for number, element in enumerate(case.elements):
         own = case.left is not None and case.left.element == number
-        if own and isinstance(element, _CLOSED) and case.left is not None and case.left.plus:
+        outside = case.left is not None and case.left.plus == (element.plus_side == "outside")
+        if own and isinstance(element, _CLOSED) and outside:
             continue  # it leaves a convex body outwards
         posed = _Posed(case, number)
         for index in range(len(posed.faces)):

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.stability import families, families_local, families_mixed
+from photizon_cl.stability import families, families_local, families_mixed, families_round
 from photizon_cl.stability.fresnel import measure_fresnel
 from photizon_cl.stability.measure import Measured, measure
 from photizon_cl.stability.oracle import FIRM
@@ -50,6 +50,14 @@ FAMILIES: Final[dict[str, Callable[[], Iterator[Case]]]] = {
     "lens, rim": families_local.lens_rim,
     "lens, tangent": families_local.lens_tangent,
     "lens, inside": families_local.lens_inside,
+    "round, inside": families_round.round_inside,
+    "round, outside": families_round.round_outside,
+    "round, tangent": families_round.round_tangent,
+    "round, rims": families_round.round_rims,
+    "round, origin on it": families_round.round_wall,
+    "round, departed": families_round.round_departed,
+    "round, far and near": families_round.round_far,
+    "round, axis": families_round.round_axis,
     "nearly coincident": families_mixed.nearly_coincident,
     "touching": families_mixed.touching,
     "shared edges": families_mixed.shared_edges,

@@ -27,7 +27,7 @@ CAP = 2000
 
 @pytest.mark.parametrize("name", list(closed_bodies()))
 def test_nothing_leaks_out_of_closed_bodies(name: str) -> None:
-    """10^7 interactions over the ten bodies; ``python -m benchmarks.leaks`` makes 10^9 in each."""
+    """10^6 interactions in each body; ``python -m benchmarks.leaks`` makes 10^9 in each."""
     found = trace(closed_bodies()[name], rays_per_batch=500, generation_cap=CAP, seed=1, plan=PLAN)
     assert found.interactions == 500 * CAP
     assert found.escaped == 0

@@ -11,7 +11,9 @@ import numpy as np
 from oracles.corners import ROUNDING, Exact, U, follow
 from photizon_cl.scene.elements.baffled_tube import BaffledTube
 from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.conic import Conic
 from photizon_cl.scene.elements.cpc import Cpc
+from photizon_cl.scene.elements.cylinder import Cylinder
 from photizon_cl.scene.elements.disk import Disk
 from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle
@@ -76,7 +78,9 @@ class Region:
         """Return world points of points in the frame."""
         return np.asarray(points, Exact) * self.scale @ self.rows.astype(Exact) + self.at
 
-    def plane(self, normal: Any, through: Any, radius: float | None = None) -> None:
+    def plane(
+        self, normal: Any, through: Any, radius: float | None = None, inner: float = 0.0
+    ) -> None:
         """Add a plate with its normal into the region: a disk, or a rectangle beyond everything."""
         toward = np.asarray(normal, float) @ self.rows
         # R_v(b) R_u(a) turns +z to (sin b cos a, -sin a, cos b cos a)
@@ -92,7 +96,7 @@ class Region:
         plate = (
             Rectangle(**where, **sides)
             if radius is None
-            else Disk(**where, radius=radius * self.scale)
+            else Disk(**where, radius=radius * self.scale, inner_radius=inner * self.scale)
         )
         self.elements.append(plate)
         w, place = np.array(plate.frame[2], Exact), np.array(plate.position, Exact)
@@ -124,6 +128,29 @@ class Region:
         h = Exact(half * self.scale)
         for a in (0, 1):
             self.heights.append(lambda points, a=a: h - np.abs(local(points)[..., a]))
+
+    def wall(
+        self, kind: Any, centre: Any = (0.0, 0.0, 0.0), sign: float = 1.0, **sizes: Any
+    ) -> Any:
+        """Add a wall of revolution around the region; return its rims' heights over its place."""
+        local = self.body(kind, centre, **sizes)
+        made = self.elements[-1]
+
+        def height(points: Any) -> Any:
+            p = local(points)
+            r, z = norm(p[..., :2]), p[..., 2]
+            if isinstance(made, Conic):
+                big, kappa = Exact(made.curvature_radius), 1 + Exact(made.conic_constant)
+                g = big - kappa * z
+                return sign * (z * (g + big) - r * r) / (2 * np.hypot(r, g))
+            low = Exact(made.radius if isinstance(made, Cylinder) else made.entrance_radius)
+            high = Exact(made.radius if isinstance(made, Cylinder) else made.exit_radius)
+            k = (high - low) / Exact(made.length)
+            return sign * (low + k * z - r) / np.hypot(Exact(1), k)
+
+        self.heights.append(height)
+        # as those of the element, which at an equator are not to rounding those of its model
+        return [Exact(z) / Exact(self.scale) for z in made.heights]
 
     def cpc(self, exit_radius: float, acceptance: float) -> Cpc:
         """Add a concentrator's wall; return it in the region's unit."""
@@ -171,7 +198,7 @@ class Region:
         self.heights.append(height if inside else lambda points: -height(points))
 
 
-_NUMBERS = ("acceptance_deg", "baffles", "port_fraction")
+_NUMBERS = ("acceptance_deg", "baffles", "port_fraction", "conic_constant")
 
 
 def norm(x: Any) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 
 from oracles.corners import Exact
 from oracles.curved import Region, arc, circle, segment
+from oracles.round_regions import ROUND
 
 if TYPE_CHECKING:
     from oracles.curved import Curve
@@ -187,14 +188,14 @@ def ball_in_lens(r: Region) -> None:
     r.middle[:] = 0.1, 0.0, 0.05
 
 
-REGIONS = {
+REGIONS: dict[str, Any] = {
     f.__name__.replace("_", " "): f
     for f in (
         tube_and_plates, tube_cut, ball_in_tube, two_balls, closed_port, closed_cpc, halved_cpc,
         halved_lens,
         lens_on_a_plate, beside_a_lens, ball_in_lens,
     )
-}  # fmt: skip
+} | ROUND  # fmt: skip
 
 
 def made(kind: str, surface: Surface, tilt: tuple[float, float], scale: float, at: Any) -> Region:

@@ -30,6 +30,32 @@ def elements(tilt=(0.0, 0.0), axis="+z"):
         pz.Biconvex(
             name="biconvex", front_radius=0.5, back_radius=0.8, aperture_radius=0.3, **common
         ),
+        pz.Cylinder(name="cylinder", radius=0.3, length=0.6, **common),
+        pz.Cone(name="cone", entrance_radius=0.4, exit_radius=0.1, length=0.6, **common),
+        pz.Cone(name="full cone", entrance_radius=0.0, exit_radius=0.3, length=0.6, **common),
+        pz.Conic(
+            name="paraboloid",
+            curvature_radius=0.2,
+            conic_constant=-1.0,
+            aperture_radius=0.4,
+            **common,
+        ),
+        pz.Conic(
+            name="ellipsoid",
+            curvature_radius=0.2,
+            conic_constant=-0.5,
+            aperture_radius=0.28,
+            inner_radius=0.1,
+            **common,
+        ),
+        pz.Conic(
+            name="hyperboloid",
+            curvature_radius=0.3,
+            conic_constant=-3.0,
+            aperture_radius=0.5,
+            **common,
+        ),
+        pz.Disk(name="annulus", radius=0.4, inner_radius=0.2, **common),
     ]
 
 

@@ -63,7 +63,10 @@ FRACTION = "a number in [0, 1]"
 INDEX = "a refractive index, a number from 0.001 to 1000"
 BINS = "an integer from 1 to 8192"
 POWER = "a positive power in watts, from 1e-150 to 1e150"
-KINDS = 'one of "rectangle" "disk" "sphere" "cpc" "baffled-tube" "plano-convex" "biconvex"'
+KINDS = (
+    'one of "rectangle" "disk" "sphere" "cpc" "baffled-tube" "plano-convex" "biconvex" '
+    '"cylinder" "cone" "conic"'
+)
 SURFACES = 'one of "absorber" "mirror" "lambertian" "fresnel"'
 PORT = "0, or a number from 1e-16 up to but not including 1"
 

@@ -186,8 +186,8 @@ def test_hints_say_what_to_do():
         *path, value = path_and_value
         return problems_of(edited([(tuple(path), value)]))[0].hint
 
-    assert hint("element", 1, "raduis", 2.0) == "did you mean radius?"
-    assert hint("element", 1, "Radius", 2.0) == "did you mean radius?"
+    assert hint("element", 2, "raduis", 2.0) == "did you mean radius?"
+    assert hint("element", 2, "Radius", 2.0) == "did you mean radius?"
     assert hint("element", 0, "kind", "Rectangle") == 'did you mean "rectangle"?'
     assert hint("run", "seed", 1e3) == "write 1000, without a decimal point or exponent"
     assert hint("element", 1, "radius", "0.5") == "write the number without quotes"

@@ -38,6 +38,7 @@ def test_rows_of_the_registry(label, kind, cls):
 def test_kinds_of_the_contract():
     assert set(ELEMENTS) == {
         "rectangle", "disk", "sphere", "cpc", "baffled-tube", "plano-convex", "biconvex",
+        "cylinder", "cone", "conic",
     }  # fmt: skip
     assert set(SURFACES) == {"absorber", "mirror", "lambertian", "fresnel"}
     assert len(SOURCES) == 5

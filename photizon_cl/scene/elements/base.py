@@ -63,7 +63,7 @@ class Element(Described):
     libraries: ClassVar[tuple[str, ...]] = ()
     """Kernel templates before those, once a program, which other kinds may share."""
     traits: ClassVar[frozenset[str]] = frozenset()
-    """What else the shared templates ask for."""
+    """What else the shared templates ask for; ``inward`` where normals point to the inside."""
     faced: ClassVar[bool] = True
     """Whether its kernel works in its own frame and says which of its faces is hit."""
     alone: ClassVar[bool] = False
@@ -162,6 +162,11 @@ class Element(Described):
         if self.detector is None:
             return None
         return self.detector.side or self.default_side
+
+    @property
+    def plus_side(self) -> str:
+        """Named side that the normals of a curved element point to."""
+        return "inside" if "inward" in self.traits else "outside"
 
     @property
     def opening(self) -> bool:

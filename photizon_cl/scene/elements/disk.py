@@ -5,19 +5,28 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
+from photizon_cl.errors import Problem, show
 from photizon_cl.scene.areas import circle_areas
 from photizon_cl.scene.bins import MapBins
-from photizon_cl.scene.elements.flat import Flat
+from photizon_cl.scene.elements.flat import EDGES, EDGES_TILTED, ROUNDOFF, Flat
 from photizon_cl.scene.faces import Circular
 from photizon_cl.scene.filters.along import across
-from photizon_cl.scene.parameters import positive_length
+from photizon_cl.scene.parameters import LARGEST, number, positive_length
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from photizon_cl.scene.described import Known
+    from photizon_cl.scene.frames import Vec3
+
+_INNER: Final = "a radius from 0 up to but not including radius, in metres"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Disk(Flat):
-    """A flat disk: local u² + v² ≤ radius², w = 0, rim included.
+    """A flat disk or annulus: local inner_radius² ≤ u² + v² ≤ radius², w = 0, rims included.
 
     `position` is its centre and `axis` its normal. A ray that runs in its plane does not hit it.
 
@@ -25,6 +34,8 @@ class Disk(Flat):
     ----------
     radius : float
         Radius in metres.
+    inner_radius : float, optional
+        Radius in metres of a hole around the centre, whose rim belongs to the disk; 0 for none.
     """
 
     kind: ClassVar[str] = "disk"
@@ -34,11 +45,48 @@ class Disk(Flat):
     templates: ClassVar[tuple[str, ...]] = ("elements/disk", "lib/flat")
 
     radius: float = field(metadata=positive_length("radius"))
+    inner_radius: float = field(
+        default=0.0, metadata=number(_INNER, 0.0, LARGEST, "radius of the hole", "m")
+    )
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """Check the hole against the disk."""
+        problems = super().cross_check(known)
+        radius, inner = known.get("radius"), known.get("inner_radius")
+        if radius is not None and inner is not None and inner >= radius:
+            hint = "the hole would leave nothing of the disk"
+            wanted = f"less than radius, {show(radius)}"
+            problems.append(Problem("inner_radius", show(inner), wanted, hint=hint))
+        return problems
+
+    @property
+    def opening(self) -> bool:
+        """Whether it has a hole."""
+        return self.inner_radius > 0.0
 
     @cached_property
     def outline(self) -> Circular:
         """What bounds it in its plane."""
         return Circular(self.radius)
+
+    @property
+    def hole(self) -> Circular | None:
+        """What is cut out of it around the centre."""
+        return Circular(self.inner_radius) if self.opening else None
+
+    def packed(
+        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0)
+    ) -> dict[str, float]:
+        """Return the radii with their rounding bounds."""
+        values = super().packed(centre, axis, at_edges)
+        if self.opening:
+            hole = self.inner_radius
+            grows, shrinks = EDGES if axis is not None else EDGES_TILTED
+            room = max(at_edges) * ROUNDOFF * (hole + max(map(abs, centre)))
+            values["outer_v"] = hole - grows * room
+            values["inner_v"] = min(hole + shrinks * room, 0.5 * (hole + values["inner_u"]))
+        return values
 
     @property
     def reach(self) -> float:
@@ -47,8 +95,8 @@ class Disk(Flat):
 
     @property
     def area(self) -> float:
-        """Area of one side in m², πr²."""
-        return math.pi * self.radius * self.radius
+        """Area of one side in m², π(R − r)(R + r)."""
+        return math.pi * (self.radius - self.inner_radius) * (self.radius + self.inner_radius)
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return the area."""
@@ -59,6 +107,6 @@ class Disk(Flat):
         return MapBins(
             x=across("u", self.radius, nx),
             y=across("v", self.radius, ny),
-            area_of=partial(circle_areas, self.radius, nx, ny),
-            rims=(self.radius,),
+            area_of=partial(circle_areas, self.radius, nx, ny, self.inner_radius),
+            rims=(self.radius, self.inner_radius) if self.opening else (self.radius,),
         )

@@ -18,7 +18,11 @@ if TYPE_CHECKING:
     from photizon_cl.scene.faces import Face, Outline
     from photizon_cl.scene.frames import Vec3
 
-_ROUNDOFF: Final = 2.0**-53
+ROUNDOFF: Final = 2.0**-53
+EDGES: Final = (4.0, 2.0)
+"""How many roundings a face goes on beyond its edge, and how many within it points are put back."""
+EDGES_TILTED: Final = (8.0, 16.0)
+"""The same where its coordinates are sums of products with a rounded frame."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,9 +36,13 @@ class Flat(Element):
             "m",
             "half size along u, or the axis behind the normal's, with its bound",
         ),
-        ("outer_v", "m", "the same along v, or the axis behind that"),
+        (
+            "outer_v",
+            "m",
+            "the same along v, or the axis behind that; of a hole: its radius less that",
+        ),
         ("inner_u", "m", "half size less its bound: a hit beyond it is moved onto it"),
-        ("inner_v", "m", "the same along v"),
+        ("inner_v", "m", "the same along v; of a hole: its radius and its bound"),
         ("ends", "m", "rounding bound of where other faces end at the plane"),
         ("sign", "", "of the normal along its axis"),
         ("aside", "", "how far beside its edge a face that meets it there may be, in `ends`"),
@@ -102,13 +110,12 @@ class Flat(Element):
             if axis_index(self.axis) % 2 == 1:
                 hu, hv, plus_u, plus_v = hv, hu, plus_v, plus_u
             minus_u, minus_v = plus_u, plus_v
-        # A tilted face's coordinates are sums of products with a rounded frame. A point put back
-        # within the inner bound lies on the right side of a face that shares the edge, whatever
-        # rounding.
-        grows, shrinks = (4.0, 2.0) if axis is not None else (8.0, 16.0)
+        # A point put back within the inner bound lies on the right side of a face that shares the
+        # edge, whatever rounding.
+        grows, shrinks = EDGES if axis is not None else EDGES_TILTED
 
         def bounds(half: float, factor: float) -> tuple[float, float]:
-            room = factor * _ROUNDOFF * (half + far)
+            room = factor * ROUNDOFF * (half + far)
             return half + grows * room, max(half - shrinks * room, 0.5 * half)
 
         outer_u, inner_u = bounds(hu, plus_u)
@@ -127,10 +134,10 @@ class Flat(Element):
             "outer_v": outer_v,
             "inner_u": inner_u,
             "inner_v": inner_v,
-            "ends": 4.0 * _ROUNDOFF * ends,
+            "ends": 4.0 * ROUNDOFF * ends,
             "sign": -1.0 if axis_index(self.axis) % 2 else 1.0,
             "aside": aside,
-            "plane": 4.0 * _ROUNDOFF * plane,
+            "plane": 4.0 * ROUNDOFF * plane,
             "outer_minus_u": outer_minus_u,
             "outer_minus_v": outer_minus_v,
             "inner_minus_u": inner_minus_u,
