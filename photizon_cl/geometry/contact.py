@@ -171,10 +171,12 @@ def _touch(a: _Body, b: _Body, room: float) -> bool:
         distance = math.dist(a.centre, b.centre)
         r, s = a.ball.radius, b.ball.radius
         return abs(r - s) - room <= distance <= r + s + room
-    if a.ball and b.flat:
-        a, b = b, a
-    if b.ball and a.flat:
-        apart = abs(float(np.dot(a.normals[0], b.centre - a.origins[0])))
-        farthest = max(math.dist(corner, b.centre) for corner in a.corners)
-        return apart <= b.ball.radius + room and farthest >= b.ball.radius - room
+    for body, other in ((a, b), (b, a)):
+        if other.ball:
+            farthest = max(math.dist(corner, other.centre) for corner in body.corners)
+            if farthest < other.ball.radius - room:
+                return False  # it is within the ball
+            if body.flat:
+                apart = abs(float(np.dot(body.normals[0], other.centre - body.origins[0])))
+                return apart <= other.ball.radius + room
     return True

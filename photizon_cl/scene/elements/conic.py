@@ -101,8 +101,8 @@ class Conic(RevolvedWall):
         """Check that the rims lie on the sheet, one inside the other."""
         problems = super().cross_check(known)
         radius, aperture = known.get("curvature_radius"), known.get("aperture_radius")
-        k, inner = known.get("conic_constant"), known.get("inner_radius")
-        if radius is not None and aperture is not None and k is not None and k > -1.0:
+        k, inner = known.get("conic_constant") or 0.0, known.get("inner_radius")
+        if radius is not None and aperture is not None and k > -1.0:
             widest = equator(radius, k)
             if aperture > widest:
                 problems.append(
