@@ -67,7 +67,7 @@ KINDS = (
     'one of "rectangle" "disk" "sphere" "cpc" "baffled-tube" "plano-convex" "biconvex" '
     '"cylinder" "cone" "conic"'
 )
-SURFACES = 'one of "absorber" "mirror" "lambertian" "fresnel"'
+SURFACES = 'one of "absorber" "mirror" "lambertian" "fresnel" "clear" "mixed"'
 PORT = "0, or a number from 1e-16 up to but not including 1"
 
 

@@ -44,6 +44,16 @@ def elements(**where: Any) -> list[Element]:
         pz.Biconvex(
             name="biconvex", front_radius=0.5, back_radius=0.8, aperture_radius=0.3, **where
         ),
+        pz.Cylinder(name="cylinder", radius=0.3, length=0.8, **where),
+        pz.Cone(name="cone", entrance_radius=0.4, exit_radius=0.1, length=0.6, **where),
+        pz.Conic(
+            name="conic",
+            curvature_radius=0.6,
+            conic_constant=-1.5,
+            aperture_radius=0.4,
+            inner_radius=0.1,
+            **where,
+        ),
     ]
 
 
@@ -56,6 +66,9 @@ NAMES = {
     "baffled-tube": ("wall", "baffle 1", "baffle 2"),
     "plano-convex": ("flat", "curved"),
     "biconvex": ("front", "back"),
+    "cylinder": ("wall",),
+    "cone": ("wall",),
+    "conic": ("sheet",),
 }
 
 
@@ -317,15 +330,20 @@ def test_sources_say_how_far_they_reach(kind: str) -> None:
     values: dict[str, Any] = {"name": "s", "flux": 1.0, "position": (1.0, 2.0, 3.0)}
     if SOURCES[kind].directed:
         values |= {"axis": "-x", "tilt_deg": (10.0, 20.0)}
-    if "radius" in SOURCES[kind].__dataclass_fields__:
-        values["radius"] = 0.25
+    sizes = {"radius": 0.25, "half_width": 0.15, "half_height": 0.2}
+    values |= {k: v for k, v in sizes.items() if k in SOURCES[kind].__dataclass_fields__}
+    if "half_angle_deg" in SOURCES[kind].__dataclass_fields__:
+        values["half_angle_deg"] = 30.0
     source = SOURCES[kind](**values)
-    assert source.draws_position == ("radius" in values)
-    assert source.reach == values.get("radius", 0.0)
+    sized = bool(set(sizes) & set(values))
+    assert source.draws_position == sized
+    assert source.reach == pytest.approx(0.25 if sized else 0.0)
     for line in source.outline():
         away = np.linalg.norm(line - np.array(source.position), axis=1)
-        assert away == pytest.approx(source.reach)
-        assert len(line) == (91 if source.reach else 1)
+        # of a rectangle the corners, of a circle every point
+        assert away.max() == pytest.approx(source.reach)
+        assert ("radius" not in values) or away.min() == pytest.approx(source.reach)
+        assert len(line) > 1 or not sized
 
 
 def test_surfaces_say_what_they_do() -> None:
@@ -336,6 +354,8 @@ def test_surfaces_say_what_they_do() -> None:
         "mirror": {"absorbs", "reflects"},
         "lambertian": {"absorbs", "reflects", "draws"},
         "fresnel": {"reflects", "transmits", "refracts", "splits"},
+        "clear": {"transmits", "carries_detector"},
+        "mixed": {"absorbs", "reflects", "splits", "draws"},
     }
     assert len({cls.label_text for cls in SURFACES.values()}) == len(SURFACES)
     assert pz.Fresnel(1.5, 1.5).advice()

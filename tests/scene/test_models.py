@@ -40,8 +40,11 @@ def test_kinds_of_the_contract():
         "rectangle", "disk", "sphere", "cpc", "baffled-tube", "plano-convex", "biconvex",
         "cylinder", "cone", "conic",
     }  # fmt: skip
-    assert set(SURFACES) == {"absorber", "mirror", "lambertian", "fresnel"}
-    assert len(SOURCES) == 5
+    assert set(SURFACES) == {"absorber", "mirror", "lambertian", "fresnel", "clear", "mixed"}
+    assert set(SOURCES) == {
+        "isotropic-point", "cosine-point", "lambertian-disk", "lambertian-sphere",
+        "collimated-disk", "cone-point", "lambertian-rectangle",
+    }  # fmt: skip
 
 
 def test_every_kind_has_an_effect():
@@ -121,7 +124,7 @@ def test_sources():
     beam = pz.CollimatedDisk(**COMMON, flux=math.pi, axis="+z", radius=1)
     assert beam.irradiance == pytest.approx(1.0, rel=1e-15)
     for source in (disk, sphere, beam):
-        assert source.packed() == {"radius": 1.0}
+        assert source.packed()["radius"] == 1.0
     for source in (cosine, disk, sphere, beam):
         assert all(math.isfinite(value) for value, _ in source.derived().values())
 

@@ -249,7 +249,7 @@ def test_construction_checks_walls_and_detectors():
     (line,) = messages(
         lambda: pz.Disk(**common, surface=pz.Absorber(), detector=pz.Detector(side="inside"))
     )
-    assert line.startswith('element.detector.side: found "inside", expected no side on a disk')
+    assert line.startswith('element.detector.side: found "inside", expected one of "front" "back"')
 
 
 def test_settings_name_their_table():

@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 KINDS = {kind: cls for group in (SOURCES, ELEMENTS, SURFACES) for kind, cls in group.items()}
 ORDINARY = {"disk_usage"}
 """Identifiers that are another's."""
+WORDS = ("clear", "mixed")
+"""Kinds that are ordinary words: only their class, their function or a string of nothing else names
+them."""
+_OWN = re.compile(rf"meet_({'|'.join(WORDS)})|{'|'.join(word.capitalize() for word in WORDS)}")
+_QUOTED = re.compile(rf"meet_({'|'.join(WORDS)})|[\"']({'|'.join(WORDS)})[\"']")
 _STRINGS = {tokenize.STRING, getattr(tokenize, "FSTRING_MIDDLE", None)}
 
 
@@ -59,7 +64,12 @@ def in_python(text: str, kinds: Iterable[str]) -> Iterator[tuple[int, str]]:
         else:
             continue
         for name in found:
-            yield token.start[0], _kind(name, kinds)
+            kind = _kind(name, kinds)
+            bare = token.string.strip("\"'")
+            if kind not in WORDS or (
+                bare == kind if token.type in _STRINGS else _OWN.fullmatch(bare)
+            ):
+                yield token.start[0], kind
 
 
 def _docstrings(tree: ast.AST) -> set[tuple[int, int]]:
@@ -85,7 +95,9 @@ def in_kernel(text: str, kinds: Iterable[str]) -> Iterator[tuple[int, str]]:
     for number, line in enumerate(blank.splitlines(), 1):
         code = re.sub(r"(//|##).*", "", line)
         for name in identifiers.findall(code):
-            yield number, _kind(name, kinds)
+            kind = _kind(name, kinds)
+            if kind not in WORDS or _QUOTED.search(code):
+                yield number, kind
 
 
 def places(root: Path) -> list[tuple[str, int, str]]:

@@ -42,6 +42,10 @@ def test_no_kind_is_named_outside_its_own_file():
         ("def f():\n    '''Of a sphere.'''", []),
         ("x: int = 1\n'''A disk.'''", []),
         ("shutil.disk_usage(x)", []),
+        ("clear_packet(mixed)", []),
+        ("x = 'mixed paths are clear'", []),
+        ("from a.surfaces.mixed import Mixed", ["mixed"]),
+        ("x = kind == 'clear'", ["clear"]),
     ],
 )
 def test_what_counts_in_python(code, expected):
@@ -54,6 +58,9 @@ def test_what_counts_in_python(code, expected):
         ('% if cls.kind == "baffled_tube":', ["baffled-tube"]),
         ("meet_fresnel(m, p);", ["fresnel"]),
         ("#define SPHERE 1", ["sphere"]),
+        ("clear_packet(p);", []),
+        ("meet_clear(p);", ["clear"]),
+        ('% if kind == "mixed":', ["mixed"]),
         ("x = 1.0; // on the sphere", []),
         ("## of a sphere", []),
         ("/* a\n * sphere */ x", []),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from photizon_cl.errors import SceneError
 from photizon_cl.scene.described import is_required, parameters_of
 from photizon_cl.scene.files import load
 from photizon_cl.scene.parameters import BAD, Choice, Parameter
@@ -250,6 +251,11 @@ def guess(cls: type[Described]) -> dict[str, Any]:
     for name, parameter in parameters_of(cls).items():
         if is_required(cls, name) and (value := _value(name, parameter)) is not None:
             found[name] = value
+    if cls.label == "surface":
+        try:
+            cls(**found)
+        except SceneError:  # parts of one whole
+            found = {name: 0.4 if value == 0.8 else value for name, value in found.items()}
     return found
 
 
