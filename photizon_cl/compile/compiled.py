@@ -120,7 +120,7 @@ def compile_scene(
     layout = lay_out(
         scene,
         [row for effect, _ in used for row in effect.rows(scene)],
-        [(effect.name, shape) for effect, _ in used if (shape := effect.cells(scene))],
+        [(e.name, shape, e.labels(scene)) for e, _ in used if (shape := e.cells(scene))],
     )
     draft = Draft(scene, settings, layout, recentre(scene))
     for effect, reason in used:

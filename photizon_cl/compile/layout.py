@@ -139,11 +139,14 @@ class CellGroup:
         Its first cell in a batch's tally.
     shape : tuple of int
         Row-major.
+    labels : tuple of str
+        What each cell is, where results show them by name.
     """
 
     effect: str
     first: int
     shape: tuple[int, ...]
+    labels: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -226,7 +229,7 @@ class TallyLayout:
 def lay_out(
     scene: Scene,
     rows: Iterable[LedgerRow] = (),
-    groups: Iterable[tuple[str, tuple[int, ...]]] = (),
+    groups: Iterable[tuple[str, tuple[int, ...], tuple[str, ...]]] = (),
 ) -> TallyLayout:
     """Give every quantity of a scene its cells.
 
@@ -236,8 +239,8 @@ def lay_out(
         Whose elements and detectors.
     rows : iterable of LedgerRow
         That effects add to the ledger.
-    groups : iterable of (str, tuple of int)
-        Effect and shape of the cells that effects bring.
+    groups : iterable of (str, tuple of int, tuple of str)
+        Effect, shape and labels of the cells that effects bring.
     """
     named = (*ROWS, *rows)
     cell = len(scene.element) + len(named)
@@ -253,7 +256,7 @@ def lay_out(
             cell += tallies[-1].size
         found.append(DetectorCells(n, power, tuple(tallies)))
     brought = []
-    for effect, shape in groups:
-        brought.append(CellGroup(effect, cell, shape))
+    for effect, shape, labels in groups:
+        brought.append(CellGroup(effect, cell, shape, labels))
         cell += brought[-1].size
     return TallyLayout(len(scene.element), named, tuple(found), tuple(brought), cell + 1)

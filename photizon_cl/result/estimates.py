@@ -16,7 +16,7 @@ import numpy as np
 from photizon_cl.checks.advisories import advisories
 from photizon_cl.result.advisories import run_advisories
 from photizon_cl.result.engine import engine_digest
-from photizon_cl.result.ledger import Ledger
+from photizon_cl.result.ledger import Estimate, Ledger, watts
 from photizon_cl.result.maps import DetectorResult, FarFieldResult
 from photizon_cl.result.stopping import Goal, achieved_sigma
 from photizon_cl.version import __version__
@@ -137,6 +137,28 @@ class Estimates:
         }
 
     @cached_property
+    def tallies(self) -> Mapping[str, Mapping[str, Estimate]]:
+        """What effects count in cells of their own: by effect, then by what each cell is.
+
+        Values in watts with their σ, and counts.
+        """
+        compiled, tally = self.compiled, self.tally
+        found: dict[str, dict[str, Estimate]] = {}
+        for group in compiled.layout.groups:
+            errors = tally.standard_error(group.first, group.size) * compiled.unit_power
+            cells = range(group.first, group.first + group.size)
+            if group.labels:
+                found[group.effect] = {
+                    label: Estimate(
+                        watts(compiled, tally.exact(cell), tally.batches),
+                        float(error) if tally.batches > 1 else None,
+                        int(tally.count[cell]),
+                    )
+                    for label, cell, error in zip(group.labels, cells, errors, strict=True)
+                }
+        return found
+
+    @cached_property
     def far_field(self) -> FarFieldResult | None:
         """Intensity of what escaped, in W/sr; None where the scene has no far field."""
         if self.scene.far_field is None:
@@ -217,5 +239,15 @@ class Estimates:
             "tally_digest": self.tally_digest,
             "ledger": self.ledger.summary(),
             "detectors": {name: d.summary() for name, d in self.detectors.items()},
+            **self._tallies_summary(),
             "advisories": list(self.advisories),
         }
+
+    def _tallies_summary(self) -> dict[str, Any]:
+        if not self.tallies:
+            return {}
+        shown = {
+            effect: {label: estimate.summary() for label, estimate in cells.items()}
+            for effect, cells in self.tallies.items()
+        }
+        return {"tallies": shown}

@@ -8,7 +8,7 @@ import pytest
 from pages import ROOT, Runner, apply_hunks, matches
 from photizon_docs.tables import GROUPS
 
-WRITTEN = sorted(p.name for p in (ROOT / "docs").glob("*.md") if p.name != "add-a-surface.md")
+WRITTEN = sorted(p.name for p in (ROOT / "docs").glob("*.md") if p.name != "add-a-kind.md")
 KINDS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]
 
 
@@ -27,9 +27,9 @@ def checkout(tmp_path):
     return folder
 
 
-def test_a_surface_is_added(checkout):
+def test_a_surface_and_an_effect_are_added(checkout):
     runner = Runner(checkout, apart=True)
-    runner.run(ROOT / "docs" / "add-a-surface.md")
+    runner.run(ROOT / "docs" / "add-a-kind.md")
     # what the page does not show: conservation to the last bit, and the page that comes by itself
     exact = runner.process(
         "-c",

@@ -54,6 +54,13 @@ class Effect(ABC):
         """
         return ()
 
+    def labels(self, scene: Scene) -> tuple[str, ...]:
+        """Return what each of its cells is, which results then show under its name.
+
+        Empty where it brings none, or its results are shown in a way of their own.
+        """
+        return ()
+
     def prepare(self, draft: Draft, *, forced: bool) -> None:  # noqa: B027 - most have nothing to do
         """Change how the scene is laid out, before the tables are made."""
 
