@@ -17,6 +17,7 @@ _NAMES: Final = (
     "plano-convex-condenser",
     "baffled-tube",
     "square-lightpipe",
+    "cassegrain",
 )
 
 _ANCHOR: Final = "Anchor:"

@@ -25,17 +25,20 @@ __kernel void test(__global const double *d, __global const double *n, __global 
     p.dx = LOAD(d, i); p.dy = LOAD(d + count, i); p.dz = LOAD(d + 2 * count, i);
     c.nx = LOAD(n, i); c.ny = LOAD(n + count, i); c.nz = LOAD(n + 2 * count, i);
     c.came_plus = LE(dot3(p.dx, p.dy, p.dz, c.nx, c.ny, c.nz), splat(0.0));
-    real dx = splat(0.0), dy = dx, dz = dx, after = dx, rx = dx, ry = dx, rz = dx, reflected = dx;
-    mask went = lsplat(0L);
-    const mask splits = meet_fresnel(lsplat(-1L), &p, &c, LOAD(m, i), LOAD(m + count, i),
-                                     LOAD(m + 2 * count, i), LOAD(m + 3 * count, i), &dx, &dy, &dz,
-                                     &after, &went, &rx, &ry, &rz, &reflected);
-    STORE(dx, out, i); STORE(dy, out + count, i); STORE(dz, out + 2 * count, i);
-    STORE(after, out + 3 * count, i);
-    STORE(rx, out + 4 * count, i); STORE(ry, out + 5 * count, i); STORE(rz, out + 6 * count, i);
-    STORE(reflected, out + 7 * count, i);
-    STORE(SEL(splits, splat(1.0), splat(0.0)), out + 8 * count, i);
-    STORE(SEL(went, splat(1.0), splat(0.0)), out + 9 * count, i);
+    const encounter_t event = {lsplat(-1L), &p, &c, 0UL};
+    // a row of each lane's own, behind one another
+    uint all;
+    const lint row = (rank_lanes(lsplat(-1L), &all) + (long)(i * LANES)) * 4L;
+    const material_t material = {m, row, -1L};
+    outcome_t o = no_outcome(&p, &c);
+    meet_fresnel(&event, &material, &o);
+    STORE(o.dx, out, i); STORE(o.dy, out + count, i); STORE(o.dz, out + 2 * count, i);
+    STORE(o.w, out + 3 * count, i);
+    STORE(o.second_dx, out + 4 * count, i); STORE(o.second_dy, out + 5 * count, i);
+    STORE(o.second_dz, out + 6 * count, i);
+    STORE(o.second_w, out + 7 * count, i);
+    STORE(SEL(o.splits, splat(1.0), splat(0.0)), out + 8 * count, i);
+    STORE(SEL(o.went_plus, splat(1.0), splat(0.0)), out + 9 * count, i);
 }
 """
 
@@ -56,7 +59,7 @@ class Met:
 
     def __init__(self, d: np.ndarray, n: np.ndarray, m: np.ndarray, lanes: int = 1) -> None:
         count = len(d)
-        arguments = [d.T.copy(), n.T.copy(), m.T.copy(), np.zeros((10, count)), np.uint32(count)]
+        arguments = [d.T.copy(), n.T.copy(), m.copy(), np.zeros((10, count)), np.uint32(count)]
         spec = tables_of(1.5, 1.0).spec
         out = run_text(KERNEL, arguments, count, lanes=lanes, spec=spec)[3]
         self.raw = out

@@ -115,7 +115,7 @@ def device_bins(x: list[float], y: list[float], edges: list[float], n: int, azim
     """Return bins from the device."""
     arrays = [np.array(x), np.array(y), np.array(edges), np.zeros(len(x), np.int32)]
     body = BINS.replace("#define CELL 4\n", "")
-    libraries = (*LIBRARIES, "detectors/bins")
+    libraries = (*LIBRARIES, "lib/bins")
     arguments = [*arrays, np.int32(n), np.int32(azimuth)]
     return run_text(body, arguments, len(x), libraries=libraries)[3].tolist()
 

@@ -86,7 +86,7 @@ def test_a_wedge_leaks_where_its_edges_do_not_know_their_angle(
 ) -> None:
     """The test above can fail."""
     monkeypatch.setattr(
-        "photizon_cl.compile.compiled.edge_factors", lambda near: np.ones((len(near.elements), 4))
+        "photizon_cl.compile.draft.edge_factors", lambda near: np.ones((len(near.elements), 4))
     )
     lost = 0
     for number, (scale, away) in enumerate(PLACES * 4):

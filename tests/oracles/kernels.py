@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hostcode.program.build import OPTIONS
+from hostcode.program.fields import BASE_ENDING
 from hostcode.program.source import program_source
 from hostcode.templates import lane, render
 from oracles.engine import open_device
@@ -28,6 +29,7 @@ def library_text(lanes: int, names: tuple[str, ...], effects: frozenset[str]) ->
         "lane": lambda value, number: lane(value, number, lanes),
         "effects": effects,
         "private_tallies": False,
+        "ending_fields": BASE_ENDING,
     }
     return "".join(render(f"{name}.mako", **context) for name in names)
 

@@ -7,11 +7,13 @@ import pytest
 import photizon_cl as pz
 from photizon_cl.scene.presets import preset_names, presets
 
-NEW = ("cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe")
+NEW = (
+    "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
+)  # fmt: skip
 
 
-def test_there_are_nine_each_with_an_anchor():
-    assert len(preset_names()) == len(presets()) == 9
+def test_there_are_ten_each_with_an_anchor():
+    assert len(preset_names()) == len(presets()) == 10
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets())
 
 
