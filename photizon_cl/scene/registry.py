@@ -21,6 +21,9 @@ from photizon_cl.scene.elements.disk import Disk as Disk
 from photizon_cl.scene.elements.plano_convex import PlanoConvex as PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle as Rectangle
 from photizon_cl.scene.elements.sphere import Sphere as Sphere
+from photizon_cl.scene.filters.along import Along as _Along
+from photizon_cl.scene.filters.azimuth import Azimuth as _Azimuth
+from photizon_cl.scene.filters.generation import Generation as _Generation
 from photizon_cl.scene.sources.collimated_disk import CollimatedDisk as CollimatedDisk
 from photizon_cl.scene.sources.cone_point import ConePoint as ConePoint
 from photizon_cl.scene.sources.cosine_point import CosinePoint as CosinePoint
@@ -39,6 +42,7 @@ from photizon_cl.scene.surfaces.mixed import Mixed as Mixed
 
 if TYPE_CHECKING:
     from photizon_cl.scene.elements.base import Element as _Element
+    from photizon_cl.scene.filters.base import Filter as _Filter
     from photizon_cl.scene.sources.base import Source as _Source
     from photizon_cl.scene.surfaces.base import Surface as _Surface
 
@@ -82,6 +86,15 @@ SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
 )
 
 DETECTORS: Final[dict[str, type[_Detector]]] = _by_kind(_Detector)
+
+FILTERS: Final[dict[str, type[_Filter]]] = {
+    cls.kind: cls
+    for cls in (
+        _Generation,
+        _Along,
+        _Azimuth,
+    )
+}
 
 CLASSES: Final[dict[str, type[Described]]] = {
     cls.__name__: cls for group in (SOURCES, ELEMENTS, SURFACES) for cls in group.values()

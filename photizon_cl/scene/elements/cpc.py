@@ -72,7 +72,6 @@ class Cpc(Element):
     templates: ClassVar[tuple[str, ...]] = ("lib/local", "elements/cpc")
     row: ClassVar[Row] = Row(
         "CPC",
-        ("exit_radius", "scaled", "a'"),
         ("length", "scaled", "L"),
         ("cosine", "", "C, of the acceptance angle"),
         ("sine", "", "S, of the acceptance angle"),
@@ -155,7 +154,7 @@ class Cpc(Element):
         far = max(map(abs, centre)) * scale
         rounding = 4.0 * _ROUNDOFF * (far + outer)
         return {
-            "exit_radius": a1, "length": length, "cosine": c, "sine": s,
+            "length": length, "cosine": c, "sine": s,
             "b": b, "d": d, "e": e, "alpha": alpha, "beta": beta,
             "outer": outer + rounding, "scale": scale, "near": rounding,
         }  # fmt: skip
