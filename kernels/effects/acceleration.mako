@@ -154,7 +154,7 @@ FN void search_tree(const scene_t *scene, const packet_t *packets, uint wanted, 
             walk_t *walk = walks + l;
             search_t *search = searches + l;
             hit_t *h = hits + l;
-            const box_ray_t ray = walk->ray;
+            const box_ray_t ray = ${point("acceleration.ray", "walk->ray")};
             const lint left = p->left >> 2;
             int link = walk->link;
             do {

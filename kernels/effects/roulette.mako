@@ -13,12 +13,12 @@ FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met
         real u, v;
         draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_ROULETTE,
                   &u, &v);
-        const mask lives = low & LT(u, splat(0.5));
+        const mask lives = low & LT(u, ${point("roulette.chance", "splat(0.5)")});
         const mask ends = low & ~lives;
         const image_t before = image_of(p->w);
         const image_t twice = image_of(p->w + p->w);
         book_row(launch, ledger, ROW_KILLED, ends, before);
-        book_row(launch, ledger, ROW_BOOSTED, lives, image_difference(twice, before));
+        book_row(launch, ledger, ROW_BOOSTED, lives, ${point("roulette.added", "image_difference(twice, before)")});
         p->w = SEL(lives, p->w + p->w, p->w);
         p->alive &= ~ends;
     }

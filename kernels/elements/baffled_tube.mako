@@ -6,7 +6,7 @@
 <%def name="starts(face, within, height, speed, nx, ny, nz)">
 % if "contact" in effects:
         // noted from farther beside the face than it is hit from, as for flat faces
-        mask beside = met & LE(fabs(off), 64.0 * most);
+        mask beside = met & ${point("baffled_tube.beside", "LE(fabs(off), 64.0 * most)")};
         if (ANY(beside)) beside &= ${within("128.0 * most")};
         search->doubtful |= beside;
         if (search->careful && ANY(beside)) {

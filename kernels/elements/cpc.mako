@@ -72,7 +72,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     mask on_wall = LE(fabs(start.f), near), starts = nowhere;
 % if "contact" in effects:
     const double most = fma(2.0 * row[CPC_OUTER] + row[CPC_LENGTH], 8.0 * UNIT_ROUNDOFF, row[CPC_NEAR]);
-    const mask beside = ~departed & p->alive & LE(fabs(start.f), splat(64.0 * most))
+    const mask beside = ~departed & p->alive & LE(fabs(start.f), ${point("cpc.beside", "splat(64.0 * most)")})
         & LE(fabs(r.z - 0.5 * row[CPC_LENGTH]), splat(128.0 * most + 0.5 * row[CPC_LENGTH]));
     search->doubtful |= beside;
     on_wall = nowhere;

@@ -43,10 +43,10 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real r2 = fma(x, x, y * y);
 % if cls.opening:
     const real hole = fmax(fma(fx + fy, splat(-4.0 * UNIT_ROUNDOFF), splat(row[FLAT_OUTER_V])), splat(0.0));
-    const mask ok = on & LE(r2, bound * bound) & GE(r2, hole * hole);
+    const mask ok = on & ${point("disk.rim", "LE(r2, bound * bound)")} & GE(r2, hole * hole);
     *edge = ok & (GT(r2, splat(row[FLAT_INNER_U] * row[FLAT_INNER_U])) | LT(r2, splat(row[FLAT_INNER_V] * row[FLAT_INNER_V])));
 % else:
-    const mask ok = on & LE(r2, bound * bound);
+    const mask ok = on & ${point("disk.rim", "LE(r2, bound * bound)")};
     *edge = ok & GT(r2, splat(row[FLAT_INNER_U] * row[FLAT_INNER_U]));
 % endif
     return ok;

@@ -36,7 +36,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     *edge = ok & (GT(x, splat(row[FLAT_INNER_U])) | LT(x, splat(-row[FLAT_INNER_MINUS_U])) | GT(y, splat(row[FLAT_INNER_V])) | LT(y, splat(-row[FLAT_INNER_MINUS_V])));
 % else:
     const real ax = fabs(x), ay = fabs(y);
-    const mask ok = on & LE(ax, bx + row[FLAT_OUTER_U]) & LE(ay, by + row[FLAT_OUTER_V]);
+    const mask ok = on & ${point("rectangle.edge", "LE(ax, bx + row[FLAT_OUTER_U])")} & LE(ay, by + row[FLAT_OUTER_V]);
     *edge = ok & (GT(ax, splat(row[FLAT_INNER_U])) | GT(ay, splat(row[FLAT_INNER_V])));
 % endif
     return ok;

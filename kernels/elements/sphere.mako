@@ -13,7 +13,7 @@ FN mask in_port_${cls.suffix}(__global const double *row, real fx, real fy, real
     __global const double *f = row + ROW_FRAME + 6;
     const real h = dot3(fx, fy, fz, splat(f[0]), splat(f[1]), splat(f[2]));
     const real dh = dot3(dx, dy, dz, splat(f[0]), splat(f[1]), splat(f[2]));
-    return GT(fma(t, dh, h), fma(fabs(h), splat(4.0 * UNIT_ROUNDOFF), splat(row[SPHERE_RIM])));
+    return GT(${point("sphere.height", "fma(t, dh, h)")}, fma(fabs(h), splat(4.0 * UNIT_ROUNDOFF), splat(row[SPHERE_RIM])));
 }
 % endif
 
@@ -23,7 +23,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real fx = p->ox - row[ROW_X], fy = p->oy - row[ROW_Y], fz = p->oz - row[ROW_Z];
     const real b = -dot3(fx, fy, fz, p->dx, p->dy, p->dz);
     const mask inside = departed & EQ(p->left & 2L, lsplat(0L));
-    real t = 2.0 * fabs(b);
+    real t = ${point("sphere.chord", "2.0 * fabs(b)")};
     mask ok = inside;
 % if cls.opening:
     ok &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t);

@@ -6,7 +6,7 @@
 #define ADD_LIMB(cell, value) atom_add((cell), (value))
 % endif
 FN void add_exact(__global long *cell, double w) {
-    const double s = w * 0x1p31;
+    ${point("cells.begin", "const double s = ")}w * 0x1p31;
     const double t0 = s + LIMB_MAGIC;
     const double r1 = (s - (t0 - LIMB_MAGIC)) * 0x1p32;
     const double t1 = r1 + LIMB_MAGIC;

@@ -3,11 +3,11 @@
 // that it never meets an unmixed one; siblings always differ (last bit), and two cousins of one
 // launched ray meet with probability 2^-54 a pair.
 FN luint child_path(luint p, uint side) {
-    const luint q = (p << 1) | (ulong)side;
+    const luint q = ${point("children.sibling", "(p << 1) | (ulong)side")};
     luint h = p * 0x9E3779B97F4A7C15UL;
     h = (h ^ (h >> 32)) * 0xD6E8FEB86659FD93UL;
     h = (h ^ (h >> 29)) * 0xD6E8FEB86659FD93UL;
     h = h ^ (h >> 32);
-    h = (1UL << 55) | ((h << 1) & ((1UL << 55) - 1UL)) | (ulong)side;
+    h = (1UL << 55) | ((h << 1) & ((1UL << 55) - 1UL))${point("children.mixed_sibling", " | (ulong)side")};
     return SEL(NE(p >> 54, (luint)(0UL)), h, q);
 }

@@ -20,7 +20,7 @@ FN void count_arrival(__global long *cells, const launch_t *launch, __global con
                       const ending_record_t *end) {
     const long which = codes[launch->detector_of + (end->tag >> 1)];
     __global const long *d = codes + codes[launch->detectors + which];
-    if ((end->tag & 1u) != (uint)d[DETECTOR_SIDE]) return;
+    if (${point("detector.other_side", "(end->tag & 1u) != (uint)d[DETECTOR_SIDE]")}) return;
     // the power of a detector with tallies is the sum of one, which the host takes
     if (!d[DETECTOR_TALLIES]) add_exact(cells + d[DETECTOR_POWER] * CELL, end->w);
 % if forms:

@@ -13,9 +13,9 @@ FN void reflect(const packet_t *p, const contact_t *c, real *x, real *y, real *z
 FN void scatter_diffusely(ulong seed, const packet_t *p, const contact_t *c, real *x, real *y, real *z) {
     real u, v, s, t;
     draw_pair(seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_SCATTER, &u, &v);
-    sincos_turns(v, &s, &t);
-    const real sin_theta = sqrt(u);
-    const real side = SEL(c->came_plus, splat(1.0), splat(-1.0));
+    sincos_turns(${point("directions.turn", "v")}, &s, &t);
+    const real sin_theta = ${point("directions.sine", "sqrt(u)")};
+    const real side = SEL(c->came_plus, splat(1.0), ${point("directions.other_side", "splat(-1.0)")});
     about_normal(c->nx * side, c->ny * side, c->nz * side,
-                 sin_theta * t, sin_theta * s, sqrt(1.0 - u), x, y, z);
+                 sin_theta * t, sin_theta * s, ${point("directions.cosine", "sqrt(1.0 - u)")}, x, y, z);
 }

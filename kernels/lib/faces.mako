@@ -36,7 +36,7 @@ FN mask known_side(const notes_t *notes, mask m, lint code, mask *on_minus) {
         }
 % endfor
     }
-    return here & m;
+    return ${point("faces.known", "here & m")};
 }
 
 // Puts a slot in its place among those of a word from bit `k` on; gives the one that has to go.
@@ -104,12 +104,12 @@ FN mask starts_on(search_t *search, const packet_t *p, mask beside, long code, m
     const mask on_minus = side_of(search, p, beside, code, GT(fabs(height), 16.0 * near), below, on, 32.0 * near,
                                   nx, ny, nz, d_n);
     *minus = on_minus;
-    *crosses = NE(p->left, lsplat(NO_FACE)) & (on_minus ^ goes_minus);
+    *crosses = ${point("faces.launched_in_contact", "NE(p->left, lsplat(NO_FACE))")} & (on_minus ^ goes_minus);
     return beside & (on | (on_minus ^ below));
 }
 % else:
 
 FN mask crosses(const packet_t *p, mask m, real h_d) {
-    return m & NE(p->left, lsplat(NO_FACE)) & LE(h_d, splat(0.0));
+    return m & ${point("faces.launched", "NE(p->left, lsplat(NO_FACE))")} & LE(h_d, splat(0.0));
 }
 % endif

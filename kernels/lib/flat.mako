@@ -53,7 +53,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
         mask on_minus, cross;
         starts_here = starts_on(search, p, beside, code, on_plane, h * sign, most, nx, ny, nz, dh * sign, &on_minus, &cross);
         t = SEL(starts_here, splat(0.0), t);
-        ok = SEL(starts_here, cross & NE(dh, splat(0.0)), ok);
+        ok = SEL(starts_here, ${point("flat.crossed", "cross & NE(dh, splat(0.0))")}, ok);
     }
 % else:
     const mask starts_here = on_plane & ok;

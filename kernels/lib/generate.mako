@@ -27,7 +27,7 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
 % endfor
             x = SEL(k, sx, x); y = SEL(k, sy, y); z = SEL(k, sz, z);
             dx = SEL(k, sdx, dx); dy = SEL(k, sdy, dy); dz = SEL(k, sdz, dz);
-            w = SEL(k, splat(source[SOURCE_WEIGHT]), w);
+            w = SEL(k, ${point("generate.weight", "splat(source[SOURCE_WEIGHT])")}, w);
         }
     }
 % for field in ray_fields:

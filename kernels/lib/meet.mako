@@ -14,7 +14,7 @@ FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, lon
     const mask ok = hit_${cls.suffix}(row, code, p, EQ(left, lsplat(code)), scene, search, &t, &edge);
     const lint hit_code = lsplat(code);
 % endif
-    const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & LT(hit_code, h->code)));
+    const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & ${point("meet.first_named", "LT(hit_code, h->code)")}));
 % if lanes == 1:
     // a branch that is rarely taken beats four conditional moves
     if (!closer) return;

@@ -45,7 +45,7 @@ FN void nearest_of(const scene_t *scene, const packet_t *packets, uint n, hit_t 
             const uint l = FIRST_PACKET(rest);
             if (searches[l].doubtful && !careful) continue;
             end_search(searches + l, packets + l, hits + l);
-            wanted &= ~(1u << l);
+            wanted ${point("nearest.searched", "&= ~(1u << l)")};
         }
     }
 }

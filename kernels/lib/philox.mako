@@ -18,7 +18,7 @@
 % if lanes == 1:
 FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) {
     word x0 = *c0, x1 = *c1, x2 = *c2, x3 = *c3;
-% for r in range(10):
+% for r in range(point("philox.rounds", 10)):
     {
         const ulong p0 = (ulong)x0 * PHILOX_M0, p1 = (ulong)x2 * PHILOX_M1;
         x0 = (uint)(p1 >> 32) ^ x1 ^ (k0 + ${r}u * PHILOX_W0);
@@ -33,7 +33,7 @@ FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) 
 // Words stay in 64-bit lanes, where the 32 x 32 -> 64 bit product is one instruction.
 FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) {
     luint x0 = TO_LUINT(*c0), x1 = TO_LUINT(*c1), x2 = TO_LUINT(*c2), x3 = TO_LUINT(*c3);
-% for r in range(10):
+% for r in range(point("philox.rounds", 10)):
     {
         const luint p0 = (x0 & 0xFFFFFFFFUL) * (ulong)PHILOX_M0, p1 = (x2 & 0xFFFFFFFFUL) * (ulong)PHILOX_M1;
         x0 = (p1 >> 32) ^ x1 ^ (ulong)(k0 + ${r}u * PHILOX_W0);
@@ -48,16 +48,16 @@ FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) 
 
 // Two words to a double in [0, 1): 53 bits, every step exact.
 FN real u01_closed_open(word hi, word lo) {
-    return fma(TO_REAL(hi), splat(0x1p-32), TO_REAL(lo >> 11) * 0x1p-53);
+    return fma(TO_REAL(hi), splat(0x1p-32), ${point("philox.low_word", "TO_REAL(lo >> 11)")} * 0x1p-53);
 }
 
 // The two uniforms in [0, 1) of one decision of one ray.
 FN void draw_pair(ulong seed, word ray_lo, word ray_hi, luint path, word generation, uint decision,
                   real *u, real *v) {
     word c0 = ray_lo;
-    word c1 = ray_hi | (decision << 16) | (TO_WORD(path >> 44) << 20);
+    word c1 = ${point("philox.ray", "ray_hi")} | ${point("philox.decision", "(decision << 16)")} | (TO_WORD(path >> 44) << 20);
     word c2 = TO_WORD(path);
-    word c3 = generation | (TO_WORD(path >> 32) << 20);
+    word c3 = ${point("philox.generation", "generation")} | (TO_WORD(path >> 32) << 20);
     philox4x32_10(&c0, &c1, &c2, &c3, (uint)seed, (uint)(seed >> 32));
     *u = u01_closed_open(c0, c1);
     *v = u01_closed_open(c2, c3);

@@ -47,7 +47,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     }
 % endfor
 % if passes:
-    const mask met = found & ~outcome.passes;
+    const mask met = ${point("shade.met", "found & ~outcome.passes")};
     ledger->passed -= found & outcome.passes;
 % else:
     const mask met = found;
@@ -59,7 +59,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     {
 % if lossy_splits:
         const image_t sent = image_sum(image_of(outcome.w), image_of(SEL(outcome.splits, outcome.second_w, splat(0.0))));
-        const image_t kept = image_difference(before, sent);
+        const image_t kept = image_difference(before, ${point("shade.sent", "sent")});
 % else:
         const image_t kept = image_difference(before, image_of(outcome.w));
 % endif

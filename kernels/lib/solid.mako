@@ -30,8 +30,8 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     // them
     mask starts0 = lsplat(0L), starts1 = lsplat(0L);
 % if "contact" in effects:
-    const mask beside0 = LE(fabs(q0.height), 64.0 * q0.near) & LE(q1.height, 128.0 * q1.near) & ~left0 & p->alive;
-    const mask beside1 = LE(fabs(q1.height), 64.0 * q1.near) & LE(q0.height, 128.0 * q0.near) & ~left1 & p->alive;
+    const mask beside0 = LE(fabs(q0.height), ${point("solid.beside_first", "64.0 * q0.near")}) & LE(q1.height, 128.0 * q1.near) & ~left0 & p->alive;
+    const mask beside1 = LE(fabs(q1.height), ${point("solid.beside_second", "64.0 * q1.near")}) & LE(q0.height, 128.0 * q0.near) & ~left1 & p->alive;
     mask on0 = lsplat(0L), on1 = lsplat(0L);
     search->doubtful |= beside0 | beside1;
     if (search->careful && ANY(beside0 | beside1)) {

@@ -5,7 +5,7 @@ FN void emit_${source.suffix}(__global const double *source, real u, real v, rea
                              real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(pv, &s, &c);
-    const real r = sqrt(pu) * source[COLLIMATED_DISK_RADIUS];
+    const real r = ${point("collimated_disk.radius", "sqrt(pu)")} * source[COLLIMATED_DISK_RADIUS];
     from_frame(source + SOURCE_FRAME, r * c, r * s, splat(0.0), x, y, z);
     *x += source[SOURCE_X]; *y += source[SOURCE_Y]; *z += source[SOURCE_Z];
 % if source.option == "diverging":

@@ -4,7 +4,7 @@ FN void emit_${source.suffix}(__global const double *source, real u, real v, rea
                           real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(v, &s, &c);
-    const real sin_theta = sqrt(u);
+    const real sin_theta = ${point("cosine_point.sine", "sqrt(u)")};
     *x = splat(source[SOURCE_X]); *y = splat(source[SOURCE_Y]); *z = splat(source[SOURCE_Z]);
-    from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, sqrt(1.0 - u), dx, dy, dz);
+    from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, ${point("cosine_point.cosine", "sqrt(1.0 - u)")}, dx, dy, dz);
 }

@@ -8,5 +8,5 @@ FN void emit_${source.suffix}(__global const double *source, real u, real v, rea
     *x = splat(source[SOURCE_X]); *y = splat(source[SOURCE_Y]); *z = splat(source[SOURCE_Z]);
     *dx = sin_theta * c;
     *dy = sin_theta * s;
-    *dz = fma(splat(-2.0), u, splat(1.0));
+    *dz = ${point("isotropic_point.cosine", "fma(splat(-2.0), u, splat(1.0))")};
 }

@@ -14,8 +14,8 @@
 FN void meet_fresnel(const encounter_t *event, const material_t *material, outcome_t *outcome) {
     const packet_t *p = event->p;
     const contact_t *c = event->c;
-    const real m = SEL(c->came_plus, material_number(material, FRESNEL_RATIO_PLUS),
-                       material_number(material, FRESNEL_RATIO_MINUS));
+    const real m = SEL(c->came_plus, material_number(material, ${point("fresnel.ratio_plus", "FRESNEL_RATIO_PLUS")}),
+                       material_number(material, ${point("fresnel.ratio_minus", "FRESNEL_RATIO_MINUS")}));
     const real k = SEL(c->came_plus, material_number(material, FRESNEL_ONE_LESS_SQUARE_PLUS),
                        material_number(material, FRESNEL_ONE_LESS_SQUARE_MINUS));
     const real dn = dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz);
@@ -33,10 +33,10 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     const real a = mci + ct, b = fma(m, ct, ci);
     const real rs = k / (a * a);
     const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);
-    const real whole = fmin(0.5 * fma(rs, rs, rp * rp), splat(1.0));
+    const real whole = fmin(${point("fresnel.reflectance", "0.5 * fma(rs, rs, rp * rp)")}, splat(1.0));
     const mask total = LE(ct2, splat(0.0));
     const real wr = SEL(total, p->w, p->w * whole);
-    const real wt = p->w - wr;
+    const real wt = ${point("fresnel.transmitted", "p->w - wr")};
     real x, y, z;
     reflect(p, c, &x, &y, &z);
     // refracted: m (d - (d.n) n) + sign(d.n) ct n
@@ -47,5 +47,5 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     send_on(outcome, event->m, SEL(reflects, x, tx), SEL(reflects, y, ty), SEL(reflects, z, tz),
             SEL(reflects, p->w, wt));
     outcome->went_plus = SEL(event->m & ~reflects, ~c->came_plus, outcome->went_plus);
-    send_second(outcome, event->m & ~reflects & GT(wr, splat(0.0)), x, y, z, wr);
+    send_second(outcome, ${point("fresnel.splits", "event->m & ~reflects & GT(wr, splat(0.0))")}, x, y, z, wr);
 }

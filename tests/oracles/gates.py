@@ -55,7 +55,11 @@ def closes(traced: Traced) -> None:
         if d.nx:
             assert detector.map_total == detector.power
             assert detector.map_counts.sum() == detector.count
-        assert 0 <= detector.power <= traced.absorbed(name)
+        assert detector.power >= 0
+        if traced.compiled.scene.element[
+            d.element
+        ].surface.counts:  # else it passes, as often as it comes
+            assert detector.power <= traced.absorbed(name)
 
 
 def busy_room_closes() -> None:
