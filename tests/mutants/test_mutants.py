@@ -1,8 +1,8 @@
 """Engines broken on purpose: for each defect the gate that exists for it must fail.
 
 A mutant is another text at named points of the kernels. Each gate passes on the engine as it is
-(the tests in ``exact`` and ``statistical`` say so; it is asserted here once a gate) and fails on its
-mutants.
+(the tests in ``exact`` and ``statistical`` say so; it is asserted here once a gate) and fails on
+its mutants.
 """
 
 from __future__ import annotations
