@@ -56,9 +56,8 @@ def closes(traced: Traced) -> None:
             assert detector.map_total == detector.power
             assert detector.map_counts.sum() == detector.count
         assert detector.power >= 0
-        if traced.compiled.scene.element[
-            d.element
-        ].surface.counts:  # else it passes, as often as it comes
+        # what a surface lets pass is not taken
+        if traced.compiled.scene.element[d.element].surface.counts:
             assert detector.power <= traced.absorbed(name)
 
 
