@@ -270,6 +270,11 @@ def _disk(p: Vector, s: Vector) -> Vector:
     return [s[0] - load_mpmath().sqrt(p[0] ** 2 + p[1] ** 2)]
 
 
+def _annulus(p: Vector, s: Vector) -> Vector:
+    r = load_mpmath().sqrt(p[0] ** 2 + p[1] ** 2)
+    return [s[0] - r, r - s[1]]
+
+
 def _zero(s: Vector) -> Any:
     return load_mpmath().mpf(0)
 
@@ -294,7 +299,7 @@ def _sizes(element: Element) -> tuple[Any, ...]:
         case Rectangle():
             return (element.half_width, element.half_height)
         case Disk():
-            return (element.radius,)
+            return (element.radius, element.inner_radius)
         case Sphere():
             return (element.radius, element.port_fraction)
         case Cpc():
@@ -346,7 +351,7 @@ def faces_of(element: Element) -> list[Face]:
         case Rectangle():
             return [Plane(2, 1, _zero, _rectangle)]
         case Disk():
-            return [Plane(2, 1, _zero, _disk)]
+            return [Plane(2, 1, _zero, _annulus if element.opening else _disk)]
         case Sphere():
             port = element.opening
             return [

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = [
     "flat_edge",
     "flat_grazing",
+    "flat_hole",
     "flat_tilt",
     "sphere_chord",
     "sphere_near_far",
@@ -209,6 +210,26 @@ def flat_edge() -> Iterator[Case]:
                         origin,
                         (0.0, 0.0, -1.0),
                     )
+
+
+def flat_hole() -> Iterator[Case]:
+    """Rays at both rims of an annulus, wide and narrow, and through its hole."""
+    r = random.Random(9)
+    for scale in SCALES:
+        for tilt in ((0.0, 0.0), TILT):
+            for inner in (1e-3, 0.3, 0.7 * (1.0 - 1e-9)):
+                sizes: Any = {"radius": 0.7, "inner_radius": inner}
+                one = (black(Disk, scale, tilt=tilt, at=(0.3, -0.2, 0.1), **sizes),)
+                for places in (0, 1, -1, 4, -4, 1000, -1000, 10**6, -(10**6)):
+                    a = r.uniform(0, 2 * math.pi)
+                    start = [scale * r.uniform(-1, 1), scale * r.uniform(-1, 1), scale]
+                    for rim in (0.7, inner):
+                        near = rim * scale * (1 + places * 2.0**-52)
+                        end = (near * math.cos(a), near * math.sin(a), 0)
+                        yield aimed(f"rim of {rim:g}, {places:+d} ulps", one, start, end)
+                for share in (-0.5, 0.0, 0.5, 1.5):
+                    end = (scale * (inner + share * (0.7 - inner)), 0.1 * scale * inner, 0)
+                    yield aimed(f"{share:g} of the ring", one, (0, 0, -2 * scale), end)
 
 
 def flat_tilt() -> Iterator[Case]:

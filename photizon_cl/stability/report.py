@@ -39,6 +39,7 @@ FAMILIES: Final[dict[str, Callable[[], Iterator[Case]]]] = {
     "sphere, port rim": families.sphere_port,
     "flat, near-parallel": families.flat_grazing,
     "flat, edge": families.flat_edge,
+    "flat, hole": families.flat_hole,
     "flat, tilt": families.flat_tilt,
     "cpc, inside": families_local.cpc_inside,
     "cpc, outside": families_local.cpc_outside,

@@ -25,6 +25,52 @@ def test_disk_bins_add_up_to_the_disk(nx, ny):
     assert (areas == areas[:, ::-1]).all()
 
 
+@pytest.mark.parametrize("inner", [1e-3, 0.1, 0.29, 0.3 * (1 - 1e-6), 0.3 * (1 - 1e-12)])
+@pytest.mark.parametrize(("nx", "ny"), [(1, 1), (2, 3), (10, 10), (33, 17), (400, 401)])
+def test_annulus_bins_add_up_to_the_annulus(nx, ny, inner):
+    areas = disk_areas(0.3, nx, ny, inner)
+    want = math.pi * (0.3 - inner) * (0.3 + inner)
+    assert math.fsum(areas.ravel()) == pytest.approx(want, rel=1e-11)
+    assert (areas >= 0.0).all()
+    assert (areas <= disk_areas(0.3, nx, ny)).all()
+    assert (areas == areas[::-1]).all()
+    assert (areas == areas[:, ::-1]).all()
+
+
+def test_bins_in_the_hole_have_no_area_and_those_around_it_keep_theirs():
+    whole, ring = disk_areas(1.0, 8, 8), disk_areas(1.0, 8, 8, 0.5)
+    assert (ring == 0.0).sum() == 4 + 4  # in the middle, and at the corners
+    assert (ring[0] == whole[0]).all()
+    assert disk_areas(1.0, 10, 10, 0.5)[3:7, 3:7].sum() == pytest.approx(0.0, abs=1e-15)
+
+
+def primitive(r, x, y):
+    """Return the area of [0, x] × [0, y] within a circle around the origin, odd in both."""
+    sign, x, y = mp.sign(x) * mp.sign(y), min(abs(x), r), min(abs(y), r)
+    if x * x + y * y <= r * r:
+        return sign * x * y
+    begin = mp.sqrt(r * r - y * y)
+    below = lambda u: (u * mp.sqrt(r * r - u * u) + r * r * mp.asin(u / r)) / 2  # noqa: E731
+    return sign * (begin * y + below(x) - below(begin))
+
+
+@pytest.mark.parametrize("inner", [0.3, 0.7, 1 - 1e-5, 1 - 1e-10])
+@pytest.mark.parametrize(("nx", "ny"), [(1, 2), (6, 7), (16, 16)])
+def test_each_annulus_bin_against_closed_forms(nx, ny, inner):
+    areas = disk_areas(1.0, nx, ny, inner)
+    with mp.workdps(50):
+        for j in range(ny):
+            for i in range(nx):
+                x0, x1 = (mp.mpf(2 * (i + k) - nx) / nx for k in (0, 1))
+                y0, y1 = (mp.mpf(2 * (j + k) - ny) / ny for k in (0, 1))
+                want = sum(
+                    s * (primitive(mp.mpf(r), x1, y1) - primitive(mp.mpf(r), x0, y1)
+                         - primitive(mp.mpf(r), x1, y0) + primitive(mp.mpf(r), x0, y0))
+                    for r, s in ((1.0, 1), (inner, -1))
+                )  # fmt: skip
+                assert abs(areas[j, i] - want) <= 1e-12 * want + 1e-22
+
+
 def shared(x0, x1, y0, y1):
     """Return the area that a rectangle shares with the unit disk, to 40 digits."""
     with mp.workdps(40):

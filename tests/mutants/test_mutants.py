@@ -339,6 +339,30 @@ MUTANTS = (
         {'sphere.height': '-fma(t, dh, h)'},
         lambda: gates.preset_agrees("integrating-sphere"),
     ),
+    Mutant(
+        "a disk's rim is no part of the wall that ends there",
+        "lib/revolved.mako",
+        (("const real beside_rim = splat(8.0 * most_near);", "const real beside_rim = near;"),),
+        gates.round_corners_hold,
+    ),
+    Mutant(
+        "walls of revolution end before their rims",
+        "elements/cylinder.mako",
+        (("LE(z, along + row[", "LE(z, -64.0 * along + row["),),
+        gates.round_corners_hold,
+    ),
+    Mutant(
+        "a ray gets out through an apex",
+        "lib/revolved.mako",
+        (("(chord_ends | LT(latest, splat(INFINITY)))", "chord_ends"),),
+        gates.round_corners_hold,
+    ),
+    Mutant(
+        "a steep sheet is clamped to its upper rim",
+        "elements/conic.mako",
+        (("z = clamp(z, low, high);", "z = SEL(beyond, high, clamp(z, low, high));"),),
+        gates.round_corners_hold,
+    ),
 )  # fmt: skip
 
 

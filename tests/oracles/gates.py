@@ -206,6 +206,16 @@ def curved_corners_hold() -> None:
             assert curved.leaks_of(region, *curved.rays_in(r, region, 2000)) == (0, 0), kind
 
 
+def round_corners_hold() -> None:
+    """No ray gets out where disks close a tube, a cone, a dish and a dish with a hole."""
+    for number in range(3):
+        for kind in ("closed cylinder", "closed cone", "hemisphere and disk", "holed dish"):
+            r = np.random.default_rng([4, number])
+            scale = (1.0, 1e-6, 1e6)[number]
+            region = regions.made(kind, Mirror(1.0), (0.0, 0.0), scale, np.zeros(3))
+            assert curved.leaks_of(region, *curved.rays_in(r, region, 1000)) == (0, 0), kind
+
+
 def far_field_bins() -> None:
     """A beam in the middle of a bin's range of directions lights that bin and no other."""
     n_mu, n_phi = 6, 8

@@ -34,6 +34,7 @@ _LAMP = {
 }
 _BLACK = {"kind": "absorber"}
 _GLASS = {"kind": "fresnel", "index": 1.5168}
+_SILVER = {"kind": "mirror", "reflectance": 0.95}
 
 
 def _element(name: str, kind: str, z: float, axis: str, **more: Any) -> dict[str, Any]:
@@ -172,6 +173,56 @@ _CURATED: dict[tuple[str, str], tuple[list[Any], list[Any], dict[str, Any]]] = {
             _target(-0.18, 0.03, map=[16, 16]),
         ],
         {"run": {"roulette_floor": 1e-6}},
+    ),
+    ("element", "cylinder"): (
+        [{**_LAMP, "position": [0.0, 0.0, 0.02], "axis": "+z"}],
+        [
+            _element(
+                "tube",
+                "cylinder",
+                0.0,
+                "+z",
+                radius=0.05,
+                length=0.15,
+                surface=_BLACK,
+                detector={"map": [16, 12]},
+            )
+        ],
+        {},
+    ),
+    ("element", "cone"): (
+        [_BEAM],
+        [
+            _element(
+                "funnel",
+                "cone",
+                0.1,
+                "-z",
+                entrance_radius=0.05,
+                exit_radius=0.02,
+                length=0.1,
+                surface=_SILVER,
+            ),
+            _element("exit", "disk", 0.0, "+z", radius=0.02, surface=_BLACK, detector={}),
+        ],
+        {},
+    ),
+    ("element", "conic"): (
+        [_BEAM],
+        [
+            _element(
+                "dish",
+                "conic",
+                0.0,
+                "+z",
+                curvature_radius=0.2,
+                conic_constant=-1.0,
+                aperture_radius=0.05,
+                surface=_SILVER,
+            ),
+            _element("focus", "disk", 0.1, "-z", radius=0.001, surface=_BLACK, detector={}),
+        ],
+        {},
     ),
     ("surface", "absorber"): ([_LAMP], [_target(0.0, 0.1, map=[16, 16])], {}),
     ("surface", "mirror"): ([_BEAM], [_MIRROR_45, _SCREEN], {}),

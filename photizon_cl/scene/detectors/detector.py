@@ -31,7 +31,7 @@ class Detector(Described):
     map : tuple of int, optional
         ``(nx, ny)`` bins of the irradiance map (W/m², power over the exact area of the bin), each
         1 … 8192: along u and v on a rectangle; along u and v over the bounding square on a disk;
-        in φ from u towards v and in cos θ about the axis on a sphere.
+        in φ from u towards v, and in cos θ about the axis on a sphere or along it on a cylinder.
     generations : int, optional
         G entries of the ladder, 1 … 4096. Entry g is the power (W) that arrived after g surface
         interactions; the last one collects g ≥ G − 1.
