@@ -52,7 +52,7 @@ FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *px,
     const real low = gather(scene->geometry + REVOLVED_LOW, row), high = gather(scene->geometry + REVOLVED_HIGH, row);
     const real k = SEL(beyond, aperture / away, SEL(within, inner / away, splat(1.0)));
     x *= k; y *= k;
-    z = clamp(z, low, high);
+    z = ${point("conic.height", "clamp(z, low, high)")};
     const real g = fma(kappa, z, -radius), n = -1.0 / sqrt(fma(x, x, fma(y, y, g * g)));
     *px = x; *py = y; *pz = z;
     *nx = n * x; *ny = n * y; *nz = n * g;

@@ -23,7 +23,7 @@ FN real height_${cls.suffix}(__global const double *row, local_${cls.suffix} r, 
     return f * (0.5 * row[CYLINDER_INVERSE]);
 }
 FN mask in_rims_${cls.suffix}(__global const double *row, real x, real y, real z, real along, real across) {
-    return GE(z, -along) & LE(z, along + row[REVOLVED_HIGH]);
+    return GE(z, -along) & LE(z, ${point("cylinder.rim", "along")} + row[REVOLVED_HIGH]);
 }
 
 FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, real *y, real *z,

@@ -84,7 +84,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 % if "pointed" in cls.traits:
     const real latest = latest_${cls.suffix}(row, r);
     t = SEL(chord_ends, chord, latest);
-    ok = inside & (chord_ends | LT(latest, splat(INFINITY)));
+    ok = inside & (chord_ends | ${point("revolved.latest", "LT(latest, splat(INFINITY))")});
 % endif
     if (ANY(free_lanes)) {
         const real at = anchor_${cls.suffix}(row, r, a);
@@ -132,7 +132,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
             on_wall = starts_on(search, p, beside, code, on_wall, ${"-" if inward else ""}height, splat(most_near), nx, ny, nz,
                                 ${"-" if inward else ""}start.b, &on_minus, &cross);
             // beside the rim a point may have been put back onto another face that ends there
-            const real beside_rim = splat(8.0 * most_near);
+            const real beside_rim = ${point("revolved.beside", "splat(8.0 * most_near)")};
             cross &= in_rims_${cls.suffix}(row, r.x, r.y, r.z, beside_rim, beside_rim);
 % else:
             on_wall = beside;

@@ -341,26 +341,22 @@ MUTANTS = (
     ),
     Mutant(
         "a disk's rim is no part of the wall that ends there",
-        "lib/revolved.mako",
-        (("const real beside_rim = splat(8.0 * most_near);", "const real beside_rim = near;"),),
+        {"revolved.beside": "near"},
         gates.round_corners_hold,
     ),
     Mutant(
-        "walls of revolution end before their rims",
-        "elements/cylinder.mako",
-        (("LE(z, along + row[", "LE(z, -64.0 * along + row["),),
+        "a tube ends before its rim",
+        {"cylinder.rim": "-64.0 * along"},
         gates.round_corners_hold,
     ),
     Mutant(
         "a ray gets out through an apex",
-        "lib/revolved.mako",
-        (("(chord_ends | LT(latest, splat(INFINITY)))", "chord_ends"),),
+        {"revolved.latest": "lsplat(0L)"},
         gates.round_corners_hold,
     ),
     Mutant(
         "a steep sheet is clamped to its upper rim",
-        "elements/conic.mako",
-        (("z = clamp(z, low, high);", "z = SEL(beyond, high, clamp(z, low, high));"),),
+        {"conic.height": "SEL(beyond, high, clamp(z, low, high))"},
         gates.round_corners_hold,
     ),
 )  # fmt: skip
