@@ -93,13 +93,13 @@ PARTS = (
         (
             (
                 "elements/rectangle.mako",
-                "LE(ax, bx + row[3])",
-                "LE(ax, splat(row[5] + (row[3] - row[5]) / 3.0))",
+                "LE(ax, bx + R(row[FLAT_OUTER_U]))",
+                "LE(ax, splat((2.0 * row[FLAT_INNER_U] + row[FLAT_OUTER_U]) / 3.0))",
             ),
             (
                 "elements/rectangle.mako",
-                "LE(ay, by + row[4])",
-                "LE(ay, splat(row[6] + (row[4] - row[6]) / 3.0))",
+                "LE(ay, by + R(row[FLAT_OUTER_V]))",
+                "LE(ay, splat((2.0 * row[FLAT_INNER_V] + row[FLAT_OUTER_V]) / 3.0))",
             ),
         ),
     ),
@@ -110,7 +110,7 @@ PARTS = (
         (
             (
                 CAP,
-                "const real c = fma(x, x, fma(y, y, fma(z, z + 2.0 * s * h, splat(-a * a))));",
+                "const real c = fma(x, x, fma(y, y, fma(z, z + R(2.0 * s * h), splat(-a * a))));",
                 "const real f = fma(s, h, z), c = fma(x, x, fma(y, y, f * f)) - fma(a, a, h * h);",
             ),
         ),
@@ -125,7 +125,7 @@ PARTS = (
         "lens: rim decided by the distance from the axis",
         "lens",
         ("lens, rim",),
-        (("lib/solid.mako", "SEL(from_outside, meets, LE(enter, leave))", "LE(enter, leave)"),),
+        (("lib/solid.mako", "SELM(from_outside, meets, LE(enter, leave))", "LE(enter, leave)"),),
     ),
     Part(
         "fresnel: forms without cancellation",

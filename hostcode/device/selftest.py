@@ -161,7 +161,14 @@ def source(lanes: int) -> str:
     # No effect is in use: what the libraries define for some of them is not tested here.
     one_lane = partial(lane, lanes=lanes)
     return "\n".join(
-        render(name, lanes=lanes, lane=one_lane, effects=frozenset(), private_tallies=False)
+        render(
+            name,
+            real="double",
+            lanes=lanes,
+            lane=one_lane,
+            effects=frozenset(),
+            private_tallies=False,
+        )
         for name in SOURCES
     )
 

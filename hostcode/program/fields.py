@@ -132,7 +132,8 @@ BASE_ENDING: Final[tuple[EndingField, ...]] = (
     EndingField(
         "tag",
         "word",
-        "TO_WORD(SEL(found, (element << 1) | (c->came_plus & ~c->inner & 1L), lsplat(-1L)))",
+        "TO_WORD(SELI(found, (element << 1) | (INT_MASK(c->came_plus & ~c->inner) & 1L), "
+        "lsplat(-1L)))",
         "element << 1 | (arrives on the + side); all ones for what leaves the scene",
     ),
     EndingField("generation", "word", "p->generation", "surface interactions before"),

@@ -70,6 +70,7 @@ def program_source(spec: ProgramSpec) -> str:
         for place, statement in part.hooks:
             hooks[place].append(statement)
     context: dict[str, Any] = {
+        "real": spec.real,
         "lanes": spec.lanes,
         "packets": spec.packets,
         "cached_bytes": spec.cached_bytes,

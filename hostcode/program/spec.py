@@ -224,6 +224,8 @@ class ProgramSpec:
     """Rows of the ledger behind the elements'."""
     n_elements: int
     """Number of elements where the ledger is kept in registers, else 0."""
+    real: str = "double"
+    """C type of lengths, directions and weights: ``double`` or ``float``."""
     lanes: int = 1
     packets: int = 1
     """Packets of so many lanes that a work-item keeps at once."""

@@ -39,7 +39,7 @@ typedef struct {
 } box_ray_t;
 
 FN box_ray_t box_ray(double ox, double oy, double oz, double dx, double dy, double dz, double size) {
-    const double room = (fabs(ox) + fabs(oy) + fabs(oz) + size) * 0x1p-42;
+    const double room = (fabs(ox) + fabs(oy) + fabs(oz) + size) * (0x1p11 * UNIT_ROUNDOFF);
     box_ray_t r;
 % for n, x in enumerate("xyz"):
     {

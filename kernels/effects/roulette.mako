@@ -4,7 +4,7 @@
 // writes: weight, alive; rows killed and boosted.  Played once an interaction, by the lanes of `met`.
 FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met) {
 % if "launched" in ray_real:
-    const real floor_weight = p->launched * launch->roulette_floor;
+    const real floor_weight = p->launched * R(launch->roulette_floor);
 % else:
     const real floor_weight = splat(launch->roulette_floor);
 % endif

@@ -10,7 +10,7 @@ FN bound_${cls.suffix} bound1_${cls.suffix}(__global const double *row, local_${
 }
 FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, real *y, real *z,
                         real *nx, real *ny, real *nz) {
-    const mask front = EQ(face, lsplat(0L));
+    const mask front = IEQ(face, lsplat(0L));
     const real s = SEL(front, splat(1.0), splat(-1.0));
     const real h = SEL(front, gather(scene->geometry + SOLID_DEPTH, row), gather(scene->geometry + BICONVEX_BACK_DEPTH, row));
     const real k = SEL(front, gather(scene->geometry + SOLID_INVERSE, row), gather(scene->geometry + BICONVEX_BACK_INVERSE, row));

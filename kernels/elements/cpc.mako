@@ -21,10 +21,10 @@ FN profile_${cls.suffix} profile_at_${cls.suffix}(__global const double *row, lo
     const real radius = sqrt(fma(x, x, y * y));
     const real flat_speed = sqrt(fma(r.dx, r.dx, r.dy * r.dy));
     const real q = fma(z, fma(-z, splat(row[CPC_SINE] * row[CPC_SINE]), splat(row[CPC_D])), splat(row[CPC_E]));
-    const real wall = 2.0 * q / (fma(z, splat(2.0 * row[CPC_COSINE] * row[CPC_SINE]), splat(row[CPC_B]))
+    const real wall = R(2.0) * q / (fma(z, splat(2.0 * row[CPC_COSINE] * row[CPC_SINE]), splat(row[CPC_B]))
                                  + sqrt(fmax(fma(z, splat(row[CPC_BETA]), splat(row[CPC_ALPHA])), splat(0.0))));
-    const real w = fma(wall, splat(row[CPC_COSINE]), z * row[CPC_SINE]);
-    const real wall_slope = (row[CPC_D] - 2.0 * row[CPC_SINE] * w) / fma(w, splat(2.0 * row[CPC_COSINE]), splat(row[CPC_B]));
+    const real w = fma(wall, splat(row[CPC_COSINE]), z * R(row[CPC_SINE]));
+    const real wall_slope = (R(row[CPC_D]) - R(2.0 * row[CPC_SINE]) * w) / fma(w, splat(2.0 * row[CPC_COSINE]), splat(row[CPC_B]));
     const real speed = SEL(GT(radius, splat(0.0)), fma(x, r.dx, y * r.dy) / radius, flat_speed);
     out.f = wall - radius;
     out.slope = fma(wall_slope, r.dz, -speed);
@@ -34,14 +34,14 @@ FN profile_${cls.suffix} profile_at_${cls.suffix}(__global const double *row, lo
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, lint left,
                       const scene_t *scene, search_t *search, real *t_out, lint *face_out) {
     local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
-    const double scale = row[CPC_SCALE];
+    const scalar scale = R(row[CPC_SCALE]);
     r.x *= scale; r.y *= scale; r.z *= scale;
     const real zero = splat(0.0), far = splat(INFINITY);
-    const mask nowhere = lsplat(0L);
+    const mask nowhere = NO_LANES;
     // the part of the ray between the apertures, rims included
     const real size = fabs(r.x) + fabs(r.y) + fabs(r.z);
     const real room = fma(size, splat(4.0 * UNIT_ROUNDOFF), splat(fma(row[CPC_LENGTH], 8.0 * UNIT_ROUNDOFF, row[CPC_NEAR])));
-    const real below = -room, above = room + row[CPC_LENGTH];
+    const real below = -room, above = room + R(row[CPC_LENGTH]);
     const real ta = (below - r.z) / r.dz, tb = (above - r.z) / r.dz;
     const mask along = EQ(r.dz, zero);
     const mask between = GE(r.z, below) & LE(r.z, above);
@@ -49,23 +49,23 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     real last = SEL(along, SEL(between, far, -far), fmax(ta, tb));
     // and inside the cylinder around it
     const real aa = fma(r.dx, r.dx, r.dy * r.dy), bb = fma(r.x, r.dx, r.y * r.dy);
-    const real cc = fma(r.x, r.x, r.y * r.y) - row[CPC_OUTER] * row[CPC_OUTER];
+    const real cc = fma(r.x, r.x, r.y * r.y) - R(row[CPC_OUTER] * row[CPC_OUTER]);
     const real root = sqrt(fmax(fma(bb, bb, -aa * cc), zero));
     const real q = -(bb + copysign(root, bb));
     const mask axial = EQ(aa, zero);
     const real u0 = q / aa, u1 = SEL(EQ(q, zero), zero, cc / q);
-    const mask meets = SEL(axial, LE(cc, zero), GE(fma(bb, bb, -aa * cc), zero));
+    const mask meets = SELM(axial, LE(cc, zero), GE(fma(bb, bb, -aa * cc), zero));
     first = SEL(axial, first, fmax(first, fmin(u0, u1)));
     // where it leaves the cylinder first it leaves through the wall, whatever the rounding there says
     const mask by_aperture = axial | LE(last, fmax(u0, u1));
     last = SEL(axial, last, fmin(last, fmax(u0, u1)));
-    const mask departed = EQ(left, lsplat(code));
-    const mask inside_departed = departed & EQ(p->left & 2L, lsplat(0L));
+    const mask departed = IEQ(left, lsplat(code));
+    const mask inside_departed = departed & IEQ(p->left & 2L, lsplat(0L));
     mask possible = p->alive & (inside_departed | (~departed & meets & LE(first, last)));
     if (!ANY(possible)) {
         *t_out = far;
         *face_out = lsplat(0L);
-        return lsplat(0L);
+        return NO_LANES;
     }
     const profile_${cls.suffix} start = profile_at_${cls.suffix}(row, r, zero);
     const real near = fma(size, splat(8.0 * UNIT_ROUNDOFF), splat(row[CPC_NEAR]));
@@ -73,7 +73,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 % if "contact" in effects:
     const double most = fma(2.0 * row[CPC_OUTER] + row[CPC_LENGTH], 8.0 * UNIT_ROUNDOFF, row[CPC_NEAR]);
     const mask beside = ~departed & p->alive & LE(fabs(start.f), ${point("cpc.beside", "splat(64.0 * most)")})
-        & LE(fabs(r.z - 0.5 * row[CPC_LENGTH]), splat(128.0 * most + 0.5 * row[CPC_LENGTH]));
+        & LE(fabs(r.z - R(0.5 * row[CPC_LENGTH])), splat(128.0 * most + 0.5 * row[CPC_LENGTH]));
     search->doubtful |= beside;
     on_wall = nowhere;
     if (search->careful && ANY(beside)) {
@@ -101,12 +101,12 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         const profile_${cls.suffix} g = profile_at_${cls.suffix}(row, r, t);
         const mask reached = GE(g.f, zero);
         // reached at the first step from inside: it leaves through an aperture
-        ok &= ~(active & inside & by_aperture & reached & lsplat(step == 0 ? -1L : 0L) & GT(g.f, zero));
+        ok &= ~(active & inside & by_aperture & reached & ALL_LANES_IF(step == 0) & GT(g.f, zero));
         // the wrong slope from outside: it passes by
         const mask passes = active & ~inside & ~reached & LE(g.slope, zero);
         ok &= ~passes;
         const real next = t - g.f / g.slope;
-        const mask moves = SEL(inside, LT(next, t), GT(next, t));
+        const mask moves = SELM(inside, LT(next, t), GT(next, t));
         const mask goes_on = active & ~reached & ~passes & moves;
         t = SEL(goes_on, next, t);
         active = goes_on;
@@ -131,16 +131,16 @@ FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *px,
     for (int step = 0; step < 2; step++) {
         const real w = fma(c, r, s * z);
         const real g = fma(w, w, fma(b, r, -fma(d, z, e)));
-        gr = fma(2.0 * c, w, b);
-        gz = fma(2.0 * s, w, -d);
+        gr = fma(R(2.0) * c, w, b);
+        gz = fma(R(2.0) * s, w, -d);
         k = fma(gr, gr, gz * gz);
         r = fma(-g / k, gr, r);
         z = clamp(fma(-g / k, gz, z), splat(0.0), length);
     }
     const real w = fma(c, r, s * z);
-    gr = fma(2.0 * c, w, b);
-    gz = fma(2.0 * s, w, -d);
-    const real n = 1.0 / sqrt(fma(gr, gr, gz * gz));
+    gr = fma(R(2.0) * c, w, b);
+    gz = fma(R(2.0) * s, w, -d);
+    const real n = R(1.0) / sqrt(fma(gr, gr, gz * gz));
     *px = ux * r / scale; *py = uy * r / scale; *pz = z / scale;
     *nx = ux * gr * n; *ny = uy * gr * n; *nz = gz * n;
 }

@@ -20,10 +20,10 @@ FN real steepness_${cls.suffix}(__global const double *row, real x, real y, real
     return splat(row[CYLINDER_RADIUS]);
 }
 FN real height_${cls.suffix}(__global const double *row, local_${cls.suffix} r, real f) {
-    return f * (0.5 * row[CYLINDER_INVERSE]);
+    return f * R(0.5 * row[CYLINDER_INVERSE]);
 }
 FN mask in_rims_${cls.suffix}(__global const double *row, real x, real y, real z, real along, real across) {
-    return GE(z, -along) & LE(z, ${point("cylinder.rim", "along")} + row[REVOLVED_HIGH]);
+    return GE(z, -along) & LE(z, ${point("cylinder.rim", "along")} + R(row[REVOLVED_HIGH]));
 }
 
 FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, real *y, real *z,

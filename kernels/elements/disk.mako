@@ -23,13 +23,13 @@ FN mask about_${cls.suffix}(__global const double *row, real near, real *x, real
     const real k = SEL(in & NE(r, to), to / r, splat(1.0));
     *x *= k;
     *y *= k;
-    return in | (LE(r, row[FLAT_OUTER_U] + row[FLAT_ASIDE] * near) & GE(r, row[FLAT_OUTER_V] - row[FLAT_ASIDE] * near));
+    return in | (LE(r, R(row[FLAT_OUTER_U]) + R(row[FLAT_ASIDE]) * near) & GE(r, R(row[FLAT_OUTER_V]) - R(row[FLAT_ASIDE]) * near));
 % else:
     const mask in = LE(r, splat(fma(2.0, row[FLAT_OUTER_U] - row[FLAT_INNER_U], row[FLAT_OUTER_U])));
-    const real k = SEL(in & GT(r, splat(row[FLAT_OUTER_U])), row[FLAT_OUTER_U] / r, splat(1.0));
+    const real k = SEL(in & GT(r, splat(row[FLAT_OUTER_U])), R(row[FLAT_OUTER_U]) / r, splat(1.0));
     *x *= k;
     *y *= k;
-    return in | LE(r, row[FLAT_OUTER_U] + row[FLAT_ASIDE] * near);
+    return in | LE(r, R(row[FLAT_OUTER_U]) + R(row[FLAT_ASIDE]) * near);
 % endif
 }
 % endif

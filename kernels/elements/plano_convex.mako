@@ -23,7 +23,7 @@ FN bound_${cls.suffix} bound1_${cls.suffix}(__global const double *row, local_${
 }
 FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *x, real *y, real *z,
                         real *nx, real *ny, real *nz) {
-    const mask convex = EQ(face, lsplat(1L));
+    const mask convex = IEQ(face, lsplat(1L));
     real cx = *x, cy = *y, cz = *z, mx, my, mz;
     cap_shape(splat(1.0), gather(scene->geometry + SOLID_DEPTH, row), gather(scene->geometry + SOLID_RIM_SQUARE, row),
               gather(scene->geometry + SOLID_INVERSE, row), &cx, &cy, &cz, &mx, &my, &mz);

@@ -10,13 +10,13 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
 // it may be on a face that meets it at the edge.  One as near as what is put back onto the rectangle
 // may be is moved into it.
 FN mask about_${cls.suffix}(__global const double *row, real near, real *x, real *y) {
-    const real aside = row[FLAT_ASIDE] * near;
-    mask in = lsplat(-1L), about = in;
+    const real aside = R(row[FLAT_ASIDE]) * near;
+    mask in = ALL_LANES, about = in;
 % for x, edge in (("x", "U"), ("y", "V")):
     {
         const double high = row[FLAT_OUTER_${edge}], low = -row[FLAT_OUTER_MINUS_${edge}];
         in &= LE(*${x}, splat(fma(2.0, high - row[FLAT_INNER_${edge}], high))) & GE(*${x}, splat(fma(2.0, low + row[FLAT_INNER_MINUS_${edge}], low)));
-        about &= LE(*${x}, high + aside) & GE(*${x}, low - aside);
+        about &= LE(*${x}, R(high) + aside) & GE(*${x}, R(low) - aside);
     }
 % endfor
     *x = SEL(in, clamp(*x, splat(-row[FLAT_OUTER_MINUS_U]), splat(row[FLAT_OUTER_U])), *x);
@@ -30,13 +30,13 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
                       mask *edge) {
     real x, y, fx, fy;
     const mask on = flat_${cls.suffix}(row, code, p, departed, scene, search, t, &x, &y, &fx, &fy);
-    const real bx = fx * (4.0 * UNIT_ROUNDOFF), by = fy * (4.0 * UNIT_ROUNDOFF);
+    const real bx = fx * R(4.0 * UNIT_ROUNDOFF), by = fy * R(4.0 * UNIT_ROUNDOFF);
 % if cls.axis is None:
-    const mask ok = on & LE(x, bx + row[FLAT_OUTER_U]) & GE(x, -(bx + row[FLAT_OUTER_MINUS_U])) & LE(y, by + row[FLAT_OUTER_V]) & GE(y, -(by + row[FLAT_OUTER_MINUS_V]));
+    const mask ok = on & LE(x, bx + R(row[FLAT_OUTER_U])) & GE(x, -(bx + R(row[FLAT_OUTER_MINUS_U]))) & LE(y, by + R(row[FLAT_OUTER_V])) & GE(y, -(by + R(row[FLAT_OUTER_MINUS_V])));
     *edge = ok & (GT(x, splat(row[FLAT_INNER_U])) | LT(x, splat(-row[FLAT_INNER_MINUS_U])) | GT(y, splat(row[FLAT_INNER_V])) | LT(y, splat(-row[FLAT_INNER_MINUS_V])));
 % else:
     const real ax = fabs(x), ay = fabs(y);
-    const mask ok = on & ${point("rectangle.edge", "LE(ax, bx + row[FLAT_OUTER_U])")} & LE(ay, by + row[FLAT_OUTER_V]);
+    const mask ok = on & ${point("rectangle.edge", "LE(ax, bx + R(row[FLAT_OUTER_U]))")} & LE(ay, by + R(row[FLAT_OUTER_V]));
     *edge = ok & (GT(ax, splat(row[FLAT_INNER_U])) | GT(ay, splat(row[FLAT_INNER_V])));
 % endif
     return ok;

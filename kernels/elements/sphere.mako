@@ -20,10 +20,10 @@ FN mask in_port_${cls.suffix}(__global const double *row, real fx, real fy, real
 FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
                       const scene_t *scene, search_t *search, real *t_out,
                       mask *edge) {
-    const real fx = p->ox - row[ROW_X], fy = p->oy - row[ROW_Y], fz = p->oz - row[ROW_Z];
+    const real fx = p->ox - R(row[ROW_X]), fy = p->oy - R(row[ROW_Y]), fz = p->oz - R(row[ROW_Z]);
     const real b = -dot3(fx, fy, fz, p->dx, p->dy, p->dz);
-    const mask inside = departed & EQ(p->left & 2L, lsplat(0L));
-    real t = ${point("sphere.chord", "2.0 * fabs(b)")};
+    const mask inside = departed & IEQ(p->left & 2L, lsplat(0L));
+    real t = ${point("sphere.chord", "R(2.0) * fabs(b)")};
     mask ok = inside;
 % if cls.opening:
     ok &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t);
@@ -56,18 +56,18 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         if (search->careful && ANY(beside)) {
 % if "contact" in effects:
             // c is 2 R times the height over the sphere
-            const real k = splat(row[SPHERE_INVERSE]), height = 0.5 * c * k, near = splat(0.5 * row[SPHERE_ON_SURFACE]) * k;
+            const real k = splat(row[SPHERE_INVERSE]), height = R(0.5) * c * k, near = splat(0.5 * row[SPHERE_ON_SURFACE]) * k;
             mask on_minus, cross;
             on_surface = starts_on(search, p, beside, code, on_surface, height, near, fx * k, fy * k, fz * k, -b,
                                    &on_minus, &cross);
 % else:
             const mask cross = crosses(p, on_surface, splat(0.0));
 % endif
-            const real chord = 2.0 * b;
+            const real chord = R(2.0) * b;
             t1 = SEL(on_surface, splat(0.0), t1);
-            ok1 = SEL(on_surface, cross, ok1);
+            ok1 = SELM(on_surface, cross, ok1);
             t2 = SEL(on_surface, chord, t2);
-            ok2 = SEL(on_surface, GT(chord, splat(0.0)), ok2);
+            ok2 = SELM(on_surface, GT(chord, splat(0.0)), ok2);
         }
         const mask real_roots = GE(discriminant, splat(0.0)) | on_surface;
         ok1 &= real_roots;
@@ -77,7 +77,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         ok2 &= ~in_port_${cls.suffix}(row, fx, fy, fz, p->dx, p->dy, p->dz, t2);
 % endif
         t = SEL(free_lanes, SEL(ok1, t1, t2), t);
-        ok = SEL(free_lanes, ok1 | ok2, ok);
+        ok = SELM(free_lanes, ok1 | ok2, ok);
     }
     *t_out = t;
     return ok & p->alive;
@@ -91,7 +91,7 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     const real cx = splat(one[ROW_X]), cy = splat(one[ROW_Y]), cz = splat(one[ROW_Z]);
     const real k2 = splat(one[SPHERE_INVERSE_SQUARE]), k = splat(one[SPHERE_INVERSE]);
 % else:
-    const lint row = SEL(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
+    const lint row = SELI(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
     const real cx = gather(scene->geometry + ROW_X, row), cy = gather(scene->geometry + ROW_Y, row);
     const real cz = gather(scene->geometry + ROW_Z, row);
     const real k2 = gather(scene->geometry + SPHERE_INVERSE_SQUARE, row), k = gather(scene->geometry + SPHERE_INVERSE, row);
@@ -105,5 +105,5 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     c->x = SEL(m, cx + fx, c->x); c->y = SEL(m, cy + fy, c->y); c->z = SEL(m, cz + fz, c->z);
     c->nx = SEL(m, fx * k, c->nx); c->ny = SEL(m, fy * k, c->ny); c->nz = SEL(m, fz * k, c->nz);
     // a chord inside ends on the inside, whatever the rounding of d.n says
-    c->from_minus |= m & EQ(p->left >> 2, h->code) & EQ(p->left & 2L, lsplat(0L));
+    c->from_minus |= m & IEQ(p->left >> 2, h->code) & IEQ(p->left & 2L, lsplat(0L));
 }

@@ -26,7 +26,7 @@ FN void clear_packet(packet_t *p) {
 % for field in ray_fields:
     p->${field.name} = ${field.cleared};
 % endfor
-    p->alive = lsplat(0L);
+    p->alive = NO_LANES;
 }
 
 // status: 0 work-items with work left, 1 work-items whose segment is too small, 2 interactions, 3 surfaces passed.

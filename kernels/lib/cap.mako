@@ -7,13 +7,13 @@
 FN mask cap_interval(real x, real y, real z, real dx, real dy, real dz, double s, double h, double a,
                      real *t0, real *t1, real *b_out, real *c_out) {
     const real b = fma(dz, splat(s * h), dot3(x, y, z, dx, dy, dz));
-    const real c = fma(x, x, fma(y, y, fma(z, z + 2.0 * s * h, splat(-a * a))));
+    const real c = fma(x, x, fma(y, y, fma(z, z + R(2.0 * s * h), splat(-a * a))));
     // b^2 - c is the same at every point of the ray.  Far from the rim both are as large as the
     // square of the distance, so it is taken at the point nearest to the rim's centre instead.
     const real near = -dot3(x, y, z, dx, dy, dz);
     const real nx = fma(near, dx, x), ny = fma(near, dy, y), nz = fma(near, dz, z);
     const real nb = fma(dz, splat(s * h), dot3(nx, ny, nz, dx, dy, dz)), bb = nb * nb;
-    const real nc = fma(nx, nx, fma(ny, ny, fma(nz, nz + 2.0 * s * h, splat(-a * a))));
+    const real nc = fma(nx, nx, fma(ny, ny, fma(nz, nz + R(2.0 * s * h), splat(-a * a))));
     const real discriminant = (bb - nc) + fma(nb, nb, -bb);
     const real root = sqrt(fmax(discriminant, splat(0.0)));
     // t = -b -+ root; q is the one of larger magnitude, the other is c / q
@@ -29,9 +29,9 @@ FN mask cap_interval(real x, real y, real z, real dx, real dy, real dz, double s
 // The nearest point of the ball's surface to one that is close to it, and the outward normal.
 FN void cap_shape(real s, real h, real a2, real k, real *x, real *y, real *z, real *nx, real *ny, real *nz) {
     for (int step = 0; step < 2; step++) {
-        const real g = fma(*x, *x, fma(*y, *y, fma(*z, *z, fma(2.0 * s * h, *z, -a2))));
+        const real g = fma(*x, *x, fma(*y, *y, fma(*z, *z, fma(R(2.0) * s * h, *z, -a2))));
         *nx = *x * k; *ny = *y * k; *nz = fma(s, h, *z) * k;
-        const real move = -0.5 * k * g;
+        const real move = R(-0.5) * k * g;
         *x = fma(move, *nx, *x); *y = fma(move, *ny, *y); *z = fma(move, *nz, *z);
     }
     *nx = *x * k; *ny = *y * k; *nz = fma(s, h, *z) * k;

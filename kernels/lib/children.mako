@@ -9,5 +9,5 @@ FN luint child_path(luint p, uint side) {
     h = (h ^ (h >> 29)) * 0xD6E8FEB86659FD93UL;
     h = h ^ (h >> 32);
     h = (1UL << 55) | ((h << 1) & ((1UL << 55) - 1UL))${point("children.mixed_sibling", " | (ulong)side")};
-    return SEL(NE(p >> 54, (luint)(0UL)), h, q);
+    return SELI(INE(p >> 54, (luint)(0UL)), h, q);
 }

@@ -2,7 +2,7 @@
 
 // d - 2 (d.n) n, with unit length.
 FN void reflect(const packet_t *p, const contact_t *c, real *x, real *y, real *z) {
-    const real k = -2.0 * dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz);
+    const real k = R(-2.0) * dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz);
     *x = fma(k, c->nx, p->dx); *y = fma(k, c->ny, p->dy); *z = fma(k, c->nz, p->dz);
     renormalise(x, y, z);
 }
@@ -17,5 +17,5 @@ FN void scatter_diffusely(ulong seed, const packet_t *p, const contact_t *c, rea
     const real sin_theta = ${point("directions.sine", "sqrt(u)")};
     const real side = SEL(c->came_plus, splat(1.0), ${point("directions.other_side", "splat(-1.0)")});
     about_normal(c->nx * side, c->ny * side, c->nz * side,
-                 sin_theta * t, sin_theta * s, ${point("directions.cosine", "sqrt(1.0 - u)")}, x, y, z);
+                 sin_theta * t, sin_theta * s, ${point("directions.cosine", "sqrt(R(1.0) - u)")}, x, y, z);
 }

@@ -14,10 +14,10 @@
                 "-0x1.b2f3eb054afcdp+0"]
 %>
 FN void sincos_turns(real x, real *s, real *c) {
-    // 4x + 1.5 * 2^52 rounds to the nearest quarter turn and leaves its number in the low bits.
-    const real shifted = fma(x, splat(4.0), splat(0x1.8p52));
-    const lint quarter = AS_LINT(shifted);
-    const real r = fma(shifted - 0x1.8p52, splat(-0.25), x);
+    // 4x + TO_INTEGER rounds to the nearest quarter turn and leaves its number in the low bits.
+    const real shifted = fma(x, splat(4.0), splat(TO_INTEGER));
+    const lint quarter = LOW_BITS(shifted);
+    const real r = fma(shifted - R(TO_INTEGER), splat(-0.25), x);
     const real z = r * r;
     real ps = splat(${sin_poly[-1]});
     real pc = splat(${cos_poly[-1]});
@@ -28,9 +28,9 @@ FN void sincos_turns(real x, real *s, real *c) {
     // sin = r (hi + lo + z ps), the large term last
     const real sr = fma(r, splat(0x1.921fb54442d18p+2), r * fma(z, ps, splat(0x1.1a62633145c07p-52)));
     const real cr = fma(pc, z, splat(1.0));
-    const mask odd = -(quarter & 1L);
-    const mask turn_s = NE(quarter & 2L, lsplat(0L));
-    const mask turn_c = NE((quarter + 1L) & 2L, lsplat(0L));
+    const mask odd = MASK_OF(-(quarter & 1L));
+    const mask turn_s = INE(quarter & 2L, lsplat(0L));
+    const mask turn_c = INE((quarter + 1L) & 2L, lsplat(0L));
     const real a = SEL(odd, cr, sr);
     const real b = SEL(odd, sr, cr);
     *s = SEL(turn_s, -a, a);

@@ -45,12 +45,12 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
     o.w = splat(0.0);
     o.went_plus = c->came_plus;
 % if splits:
-    o.splits = lsplat(0L);
+    o.splits = NO_LANES;
     o.second_dx = p->dx; o.second_dy = p->dy; o.second_dz = p->dz;
     o.second_w = splat(0.0);
 % endif
 % if passes:
-    o.passes = lsplat(0L);
+    o.passes = NO_LANES;
 % endif
     return o;
 }

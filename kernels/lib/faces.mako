@@ -17,22 +17,22 @@
 #define NO_SLOT ${hex(2**counts["note_bits"] - 1)}L
 // Element and face, over whether it is on the + side: 16 bits are enough for 2047 elements.  Of a
 // tube's plates (faces from 4 on) those eight apart share a number.  NO_SLOT is none of them.
-#define SLOT_FACE(face) SEL(LT(face, lsplat(4L)), face, ((face) & 7L) + 4L)
+#define SLOT_FACE(face) SELI(ILT(face, lsplat(4L)), face, ((face) & 7L) + 4L)
 #define SLOT_OF(element, face) ((((element) << 4) + SLOT_FACE(face)) << 1)
 
 // The lanes of m that a list of notes knows to be on one side of a face; on_minus: whether that is the
 // - side.
 FN mask known_side(const notes_t *notes, mask m, lint code, mask *on_minus) {
     const lint slot = SLOT_OF(ELEMENT_OF(code), FACE_OF(code));
-    mask here = lsplat(0L);
+    mask here = NO_LANES;
     *on_minus = here;
     for (int k = 0; k < 64; k += SLOT_BITS) {
 % for n in range(counts["note_words"]):
         {
             const lint one = notes->word${n} >> k & NO_SLOT;
-            const mask minus = EQ(one, slot);
+            const mask minus = IEQ(one, slot);
             *on_minus |= minus;
-            here |= minus | EQ(one, slot | 1L);
+            here |= minus | IEQ(one, slot | 1L);
         }
 % endfor
     }
@@ -43,17 +43,17 @@ FN mask known_side(const notes_t *notes, mask m, lint code, mask *on_minus) {
 FN lint put_slot(lint *word, int k, lint slot) {
     for (; k < 64; k += SLOT_BITS) {
         const lint old = *word >> k & NO_SLOT;
-        const mask first = LT(slot, old);
-        *word ^= SEL(first, old ^ slot, lsplat(0L)) << k;
+        const mask first = ILT(slot, old);
+        *word ^= SELI(first, old ^ slot, lsplat(0L)) << k;
         // a face may be found more than once in a search
-        slot = SEL(first, old, SEL(EQ(slot, old), lsplat(NO_SLOT), slot));
+        slot = SELI(first, old, SELI(IEQ(slot, old), lsplat(NO_SLOT), slot));
     }
     return slot;
 }
 
 FN void note(search_t *search, mask m, long code, mask on_minus) {
-    const lint slot = SLOT_OF(ELEMENT_OF(code), FACE_OF(code)) | (~on_minus & 1L);
-    lint rest = SEL(m, slot, lsplat(NO_SLOT));
+    const lint slot = SLOT_OF(ELEMENT_OF(code), FACE_OF(code)) | (INT_MASK(~on_minus) & 1L);
+    lint rest = SELI(m, slot, lsplat(NO_SLOT));
 % for n in range(counts["note_words"]):
     rest = put_slot(&search->noted.word${n}, ${"SLOT_BITS" if n == counts["note_words"] - 1 else 0}, rest);
 % endfor
@@ -65,7 +65,7 @@ FN void turn_page(packet_t *p, const hit_t *h) {
 % for n in range(counts["note_words"] - 1):
     p->note${n} = h->noted.word${n};
 % endfor
-    p->note${counts["note_words"] - 1} = (h->noted.word${counts["note_words"] - 1} & ~NO_SLOT) | SEL(EQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
+    p->note${counts["note_words"] - 1} = (h->noted.word${counts["note_words"] - 1} & ~NO_SLOT) | SELI(IEQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
 }
 
 // The lanes of m that are on the - side of a face, which is noted.  below: what the sign of the
@@ -74,20 +74,20 @@ FN void turn_page(packet_t *p, const hit_t *h) {
 FN mask side_of(search_t *search, const packet_t *p, mask m, long code, mask sure, mask below, mask vague,
                 real slack, real nx, real ny, real nz, real d_n) {
     const real came = dot3(p->came_x, p->came_y, p->came_z, nx, ny, nz);
-    const mask given = NE(p->left, lsplat(NO_FACE))
+    const mask given = INE(p->left, lsplat(NO_FACE))
         & EQ(fabs(p->came_x) + fabs(p->came_y) + fabs(p->came_z), splat(0.0));
     // a ray that came along the face, as one launched on it, is on the side it leaves it to
     const mask leaves = vague & ~given & NE(d_n, splat(0.0));
-    mask is_minus = SEL(leaves, LT(d_n, splat(0.0)), below);
-    is_minus = SEL(GT(fabs(came), slack), GT(came, splat(0.0)), is_minus);
-    is_minus = SEL(sure, below, is_minus);
+    mask is_minus = SELM(leaves, LT(d_n, splat(0.0)), below);
+    is_minus = SELM(GT(fabs(came), slack), GT(came, splat(0.0)), is_minus);
+    is_minus = SELM(sure, below, is_minus);
     notes_t notes;
 % for n in range(counts["note_words"]):
     notes.word${n} = p->note${n};
 % endfor
     mask was_minus;
     const mask known = known_side(&notes, m, lsplat(code), &was_minus);
-    is_minus = SEL(known, was_minus, is_minus);
+    is_minus = SELM(known, was_minus, is_minus);
     note(search, m, code, is_minus);
     return m & is_minus;
 }
@@ -101,15 +101,15 @@ FN mask side_of(search_t *search, const packet_t *p, mask m, long code, mask sur
 FN mask starts_on(search_t *search, const packet_t *p, mask beside, long code, mask on, real height, real near,
                   real nx, real ny, real nz, real d_n, mask *minus, mask *crosses) {
     const mask below = LT(height, splat(0.0)), goes_minus = LT(d_n, splat(0.0));
-    const mask on_minus = side_of(search, p, beside, code, GT(fabs(height), 16.0 * near), below, on, 32.0 * near,
+    const mask on_minus = side_of(search, p, beside, code, GT(fabs(height), R(16.0) * near), below, on, R(32.0) * near,
                                   nx, ny, nz, d_n);
     *minus = on_minus;
-    *crosses = ${point("faces.launched_in_contact", "NE(p->left, lsplat(NO_FACE))")} & (on_minus ^ goes_minus);
+    *crosses = ${point("faces.launched_in_contact", "INE(p->left, lsplat(NO_FACE))")} & (on_minus ^ goes_minus);
     return beside & (on | (on_minus ^ below));
 }
 % else:
 
 FN mask crosses(const packet_t *p, mask m, real h_d) {
-    return m & ${point("faces.launched", "NE(p->left, lsplat(NO_FACE))")} & LE(h_d, splat(0.0));
+    return m & ${point("faces.launched", "INE(p->left, lsplat(NO_FACE))")} & LE(h_d, splat(0.0));
 }
 % endif

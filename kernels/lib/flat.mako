@@ -11,7 +11,7 @@
 FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t *p, mask departed,
                        const scene_t *scene, search_t *search, real *t_out, real *x, real *y, real *fx, real *fy) {
 % if a is None:
-    const real vx = p->ox - row[ROW_X], vy = p->oy - row[ROW_Y], vz = p->oz - row[ROW_Z];
+    const real vx = p->ox - R(row[ROW_X]), vy = p->oy - R(row[ROW_Y]), vz = p->oz - R(row[ROW_Z]);
     __global const double *f = row + ROW_FRAME;
     const real u = dot3(vx, vy, vz, splat(f[0]), splat(f[1]), splat(f[2]));
     const real v = dot3(vx, vy, vz, splat(f[3]), splat(f[4]), splat(f[5]));
@@ -22,12 +22,12 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     const mask on_plane = LE(fabs(h), fma(fabs(u) + fabs(v), splat(4.0 * UNIT_ROUNDOFF), splat(row[FLAT_PLANE])));
 % else:
 <% a1, a2 = (a + 1) % 3, (a + 2) % 3 %>
-    const real u = p->o${names[a1]} - row[ROW_X + ${a1}], v = p->o${names[a2]} - row[ROW_X + ${a2}];
-    const real h = p->o${names[a]} - row[ROW_X + ${a}];
+    const real u = p->o${names[a1]} - R(row[ROW_X + ${a1}]), v = p->o${names[a2]} - R(row[ROW_X + ${a2}]);
+    const real h = p->o${names[a]} - R(row[ROW_X + ${a}]);
     const real du = p->d${names[a1]}, dv = p->d${names[a2]}, dh = p->d${names[a]};
 % if "contact" in effects:
     // most rays are far from the plane and need none of the row's second cache line
-    mask on_plane = lsplat(0L);
+    mask on_plane = NO_LANES;
     if (ANY(LE(fabs(h), splat(64.0 * row[FLAT_ENDS])) & ~departed)) on_plane = LE(fabs(h), splat(row[FLAT_PLANE]));
 % else:
     const mask on_plane = LE(fabs(h), splat(row[FLAT_PLANE]));
@@ -39,10 +39,10 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
     mask ok = NE(dh, splat(0.0)) & GE(t, splat(0.0)) & ~departed & p->alive;
 % if "contact" in effects:
     const real most = splat(row[FLAT_ENDS]);
-    mask beside = LE(fabs(h), 64.0 * most) & ~departed & p->alive;
+    mask beside = LE(fabs(h), R(64.0) * most) & ~departed & p->alive;
     real at_u = u, at_v = v;
     if (ANY(beside)) beside &= about_${cls.suffix}(row, most, &at_u, &at_v);
-    mask starts_here = lsplat(0L);
+    mask starts_here = NO_LANES;
     search->doubtful |= beside;
     if (search->careful && ANY(beside)) {
 % if a is None:
@@ -53,7 +53,7 @@ FN mask flat_${cls.suffix}(__global const double *row, long code, const packet_t
         mask on_minus, cross;
         starts_here = starts_on(search, p, beside, code, on_plane, h * sign, most, nx, ny, nz, dh * sign, &on_minus, &cross);
         t = SEL(starts_here, splat(0.0), t);
-        ok = SEL(starts_here, ${point("flat.crossed", "cross & NE(dh, splat(0.0))")}, ok);
+        ok = SELM(starts_here, ${point("flat.crossed", "cross & NE(dh, splat(0.0))")}, ok);
     }
 % else:
     const mask starts_here = on_plane & ok;
@@ -77,7 +77,7 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
 % if a is None:
     if (!ANY(m)) return;
 % endif
-    const lint row = SEL(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
+    const lint row = SELI(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
 % if a is not None:
 <% a0, a1, a2 = (names[(a + k) % 3] for k in range(3)) %>
     c->${a0} = SEL(m, h->plane, c->${a0});

@@ -13,10 +13,10 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
 % if any(s.draws_position for s in sources):
     draw_pair(launch->seed, lo, hi, root, born, DECIDE_POSITION, &pu, &pv);
 % endif
-    const real ri = TO_REAL(i);
+    const wide ri = TO_WIDE(i);
     for (ulong s = 0; s < launch->n_sources; s++) {
         __global const double *source = scene->sources + s * SOURCE_STRIDE;
-        const mask k = GE(ri, splat(source[SOURCE_FIRST_RAY])) & LT(ri, splat(source[SOURCE_END_RAY]));
+        const mask k = IGE(ri, (wide)(source[SOURCE_FIRST_RAY])) & ILT(ri, (wide)(source[SOURCE_END_RAY]));
         if (ANY(k & m)) {
             real sx, sy, sz, sdx, sdy, sdz;
 % for n, s in enumerate(sources):
@@ -31,7 +31,7 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
         }
     }
 % for field in ray_fields:
-    p->${field.name} = ${"SELW" if field.type == "word" else "SEL"}(m, ${field.start}, p->${field.name});
+    p->${field.name} = ${{"real": "SEL", "word": "SELW"}.get(field.type, "SELI")}(m, ${field.start}, p->${field.name});
 % endfor
     p->alive |= m;
 }

@@ -54,7 +54,7 @@ FN void expect(const ledger_t *ledger, lint element, mask m) {
 FN void book(ledger_t *ledger, lint row, mask m, image_t image) {
 % for r in range(n_elements + 1 if ledger_rows else 0):
     {
-        const mask k = m & EQ(row, lsplat(${r}L));
+        const lint k = INT_MASK(m & IEQ(row, lsplat(${r}L)));
         ledger->a${r} += image.p0 & k; ledger->b${r} += image.p1 & k; ledger->c${r} += image.p2 & k;
     }
 % endfor
@@ -72,9 +72,9 @@ FN void book_row(const launch_t *launch, ledger_t *ledger, int which, mask m, im
     // `which` is a constant where this is called: the comparisons vanish
 % for k in range(len(ledger)):
     if (which == ${k}) {
-        ledger->a${n_elements + k} += image.p0 & m;
-        ledger->b${n_elements + k} += image.p1 & m;
-        ledger->c${n_elements + k} += image.p2 & m;
+        ledger->a${n_elements + k} += image.p0 & INT_MASK(m);
+        ledger->b${n_elements + k} += image.p1 & INT_MASK(m);
+        ledger->c${n_elements + k} += image.p2 & INT_MASK(m);
     }
 % endfor
 % else:

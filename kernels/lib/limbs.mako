@@ -9,12 +9,12 @@ typedef struct { lint p0, p1, p2; } image_t;
 
 FN image_t image_of(real w) {
     image_t r;
-    const real s = w * 0x1p31;
-    const real t0 = s + LIMB_MAGIC;
-    const real r1 = (s - (t0 - LIMB_MAGIC)) * 0x1p32;
-    const real t1 = r1 + LIMB_MAGIC;
-    const real r2 = (r1 - (t1 - LIMB_MAGIC)) * 0x1p32;
-    const real t2 = r2 + LIMB_MAGIC;
+    const wide s = TO_WIDE(w) * 0x1p31;
+    const wide t0 = s + LIMB_MAGIC;
+    const wide r1 = (s - (t0 - LIMB_MAGIC)) * 0x1p32;
+    const wide t1 = r1 + LIMB_MAGIC;
+    const wide r2 = (r1 - (t1 - LIMB_MAGIC)) * 0x1p32;
+    const wide t2 = r2 + LIMB_MAGIC;
     const long zero = as_long(LIMB_MAGIC);
     r.p0 = AS_LINT(t0) - zero;
     r.p1 = AS_LINT(t1) - zero;

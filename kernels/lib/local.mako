@@ -5,7 +5,7 @@ typedef struct { real x, y, z, dx, dy, dz; } local_${cls.suffix};
 
 FN local_${cls.suffix} to_local_${cls.suffix}(__global const double *row, const packet_t *p) {
     local_${cls.suffix} r;
-    const real vx = p->ox - row[ROW_X], vy = p->oy - row[ROW_Y], vz = p->oz - row[ROW_Z];
+    const real vx = p->ox - R(row[ROW_X]), vy = p->oy - R(row[ROW_Y]), vz = p->oz - R(row[ROW_Z]);
     __global const double *f = row + ROW_FRAME;
     r.x = dot3(vx, vy, vz, splat(f[0]), splat(f[1]), splat(f[2]));
     r.y = dot3(vx, vy, vz, splat(f[3]), splat(f[4]), splat(f[5]));
@@ -54,7 +54,7 @@ FN void sides_${cls.suffix}(const packet_t *p, const hit_t *h, mask m, contact_t
 // The hit point put back onto its face, and the normal, for the lanes in m.
 FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t *h, mask m, contact_t *c) {
     if (!ANY(m)) return;
-    const lint row = SEL(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
+    const lint row = SELI(m, ELEMENT_OF(h->code) * ROW, lsplat(0L));
     real x, y, z, nx, ny, nz, wx, wy, wz;
     gather_local_${cls.suffix}(scene, row, c->x, c->y, c->z, &x, &y, &z);
 % if "moves-hits" in cls.traits:
@@ -71,7 +71,7 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
     sides_${cls.suffix}(p, h, m, c);
 % else:
     // a ray inside ends on the inside, whatever the rounding of d.n says
-    c->from_minus |= m & EQ(WITHOUT_FACE(p->left >> 2), WITHOUT_FACE(h->code)) & EQ(p->left & 2L, lsplat(0L));
+    c->from_minus |= m & IEQ(WITHOUT_FACE(p->left >> 2), WITHOUT_FACE(h->code)) & IEQ(p->left & 2L, lsplat(0L));
 % endif
 }
 
@@ -79,7 +79,7 @@ FN void place_${cls.suffix}(const scene_t *scene, const packet_t *p, const hit_t
 FN void normal_${cls.suffix}(const scene_t *scene, lint code, mask m, real px, real py, real pz,
                          real *nx, real *ny, real *nz) {
     if (!ANY(m)) return;
-    const lint row = SEL(m, ELEMENT_OF(code) * ROW, lsplat(0L));
+    const lint row = SELI(m, ELEMENT_OF(code) * ROW, lsplat(0L));
     real x, y, z, lx, ly, lz, wx, wy, wz;
     gather_local_${cls.suffix}(scene, row, px, py, pz, &x, &y, &z);
     shape_${cls.suffix}(scene, row, FACE_OF(code), &x, &y, &z, &lx, &ly, &lz);

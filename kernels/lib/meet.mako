@@ -10,19 +10,19 @@ FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, lon
     const mask ok = hit_${cls.suffix}(row, code, p, left, scene, search, &t, &face);
     const lint hit_code = WITH_FACE(code, face);
 % else:
-    mask edge = lsplat(0L);
-    const mask ok = hit_${cls.suffix}(row, code, p, EQ(left, lsplat(code)), scene, search, &t, &edge);
+    mask edge = NO_LANES;
+    const mask ok = hit_${cls.suffix}(row, code, p, IEQ(left, lsplat(code)), scene, search, &t, &edge);
     const lint hit_code = lsplat(code);
 % endif
-    const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & ${point("meet.first_named", "LT(hit_code, h->code)")}));
+    const mask closer = ok & (LT(t, h->t) | (EQ(t, h->t) & ${point("meet.first_named", "ILT(hit_code, h->code)")}));
 % if lanes == 1:
     // a branch that is rarely taken beats four conditional moves
     if (!closer) return;
 % endif
     h->t = SEL(closer, t, h->t);
-    h->code = SEL(closer, hit_code, h->code);
+    h->code = SELI(closer, hit_code, h->code);
 % if cls.flat:
-    h->edge = SEL(closer, edge, h->edge);
+    h->edge = SELM(closer, edge, h->edge);
 % if cls.axis is not None:
     h->plane = SEL(closer, splat(row[ROW_X + ${cls.axis}]), h->plane);
 % endif

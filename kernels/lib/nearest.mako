@@ -6,7 +6,7 @@
 // second, careful one is made where one is.
 FN void begin_search(search_t *search, int careful, hit_t *h) {
     search->careful = careful;
-    search->doubtful = lsplat(0L);
+    search->doubtful = NO_LANES;
 % if "contact" in effects:
 % for n in range(counts["note_words"]):
     search->noted.word${n} = lsplat(-1L);
@@ -15,7 +15,7 @@ FN void begin_search(search_t *search, int careful, hit_t *h) {
     h->t = splat(INFINITY);
     h->code = lsplat(LONG_MAX);
     h->plane = splat(0.0);
-    h->edge = lsplat(0L);
+    h->edge = NO_LANES;
 }
 
 FN void end_search(const search_t *search, const packet_t *p, hit_t *h) {

@@ -61,9 +61,9 @@ typedef struct {
 #define FACE_OF(code) (((code) >> ${code["face"].shift}) & ${hex(code["face"].mask)}L)
 #define WITHOUT_FACE(code) ((code) & ~(${hex(code["face"].mask)}L << ${code["face"].shift}))
 #define WITH_FACE(code, face) ((code) | ((face) << ${code["face"].shift}))
-#define HAS_DETECTOR(code) NE((code) & (1L << ${code["detector"].shift}), lsplat(0L))
+#define HAS_DETECTOR(code) INE((code) & (1L << ${code["detector"].shift}), lsplat(0L))
 #define SURFACE_OF(code) (((code) >> ${code["surface"].shift}) & ${code["surface"].mask}L)
-#define AXIS_SIGN(code) SEL(NE((code) & (1L << ${code["down"].shift}), lsplat(0L)), splat(-1.0), splat(1.0))
+#define AXIS_SIGN(code) SEL(INE((code) & (1L << ${code["down"].shift}), lsplat(0L)), splat(-1.0), splat(1.0))
 #define CLASS_OF(code) ((code) & ${code["cls"].mask}L)
 
 // The table of codes.  It begins with where each class's first code stands; then, without a tree,

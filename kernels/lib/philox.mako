@@ -48,7 +48,7 @@ FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) 
 
 // Two words to a double in [0, 1): 53 bits, every step exact.
 FN real u01_closed_open(word hi, word lo) {
-    return fma(TO_REAL(hi), splat(0x1p-32), ${point("philox.low_word", "TO_REAL(lo >> 11)")} * 0x1p-53);
+    return fma(TO_REAL(hi), splat(0x1p-32), ${point("philox.low_word", "TO_REAL(lo >> 11)")} * R(0x1p-53));
 }
 
 // The two uniforms in [0, 1) of one decision of one ray.

@@ -19,7 +19,7 @@ FN lint queue_place(const queue_t *q, lint i) {
 
 // Rays at stack positions i into the lanes set in m.
 FN void take_rays(const queue_t *q, lint i, mask m, packet_t *p) {
-    const lint at = queue_place(q, SEL(m, i, lsplat(0L)));
+    const lint at = queue_place(q, SELI(m, i, lsplat(0L)));
     const long field = ${field};
 % for n, name in enumerate(ray_real):
     p->${name} = SEL(m, gather(q->reals + ${n} * field, at), p->${name});
@@ -28,7 +28,7 @@ FN void take_rays(const queue_t *q, lint i, mask m, packet_t *p) {
     p->${name} = SELW(m, gather_word(q->words + ${n} * field, at), p->${name});
 % endfor
 % for n, name in enumerate(ray_long):
-    p->${name} = SEL(m, ${"AS_LUINT" if name in unsigned else ""}(gather_long(q->longs + ${n} * field, at)), p->${name});
+    p->${name} = SELI(m, ${"AS_LUINT" if name in unsigned else ""}(gather_long(q->longs + ${n} * field, at)), p->${name});
 % endfor
     p->alive |= m;
 }
@@ -54,7 +54,7 @@ FN void put_rays(const queue_t *q, lint i, mask m, const packet_t *p) {
     // through memory: a lane is then a load
     union { lint v; long s[LANES]; } place = {at};
 % for name in ray_real:
-    union { real v; double s[LANES]; } ${name} = {p->${name}};
+    union { real v; scalar s[LANES]; } ${name} = {p->${name}};
 % endfor
 % for name in ray_word:
     union { word v; uint s[LANES]; } ${name} = {p->${name}};
@@ -111,7 +111,7 @@ FN void put_records(const records_t *r, ulong *n_records, const ending_t *end) {
 % else:
     if (!ANY(end->m)) return;
 % for name in ending_real:
-    union { real v; double s[LANES]; } ${name} = {end->${name}};
+    union { real v; scalar s[LANES]; } ${name} = {end->${name}};
 % endfor
 % for name in ending_word:
     union { word v; uint s[LANES]; } ${name} = {end->${name}};

@@ -45,9 +45,9 @@ FN real discriminant_${cls.suffix}(real a, form_${cls.suffix} q) {
 FN mask within_${cls.suffix}(__global const double *row, local_${cls.suffix} r, real a, real t, real s, real near) {
     const real x = fma(t, r.dx, r.x), y = fma(t, r.dy, r.y), z = fma(t, r.dz, r.z);
     // what is farther away than the wall is not at its rims
-    near += fmin((fabs(x) + fabs(y) + fabs(z)) * (4.0 * UNIT_ROUNDOFF), splat(row[REVOLVED_MOST] - row[REVOLVED_NEAR]));
-    const real rise = 0.5 * near * (steepness_${cls.suffix}(row, x, y, z) + near);
-    const real slide = rise * s / fma(s, s, 0.5 * fabs(a) * rise);
+    near += fmin((fabs(x) + fabs(y) + fabs(z)) * R(4.0 * UNIT_ROUNDOFF), splat(row[REVOLVED_MOST] - row[REVOLVED_NEAR]));
+    const real rise = R(0.5) * near * (steepness_${cls.suffix}(row, x, y, z) + near);
+    const real slide = rise * s / fma(s, s, R(0.5) * fabs(a) * rise);
     return in_rims_${cls.suffix}(row, x, y, z, fma(slide, fabs(r.dz), near),
                                  fma(slide, fabs(r.dx) + fabs(r.dy), near));
 }
@@ -67,12 +67,12 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real zero = splat(0.0);
     const local_${cls.suffix} r = to_local_${cls.suffix}(row, p);
     const real a = bend_${cls.suffix}(row, r);
-    const mask departed = EQ(left, lsplat(code)), free_lanes = ~departed & p->alive;
-    const mask inside = departed & ${"NE" if inward else "EQ"}(p->left & 2L, lsplat(0L));
+    const mask departed = IEQ(left, lsplat(code)), free_lanes = ~departed & p->alive;
+    const mask inside = departed & ${"INE" if inward else "IEQ"}(p->left & 2L, lsplat(0L));
     *face_out = lsplat(0L);
     const form_${cls.suffix} start = form_at_${cls.suffix}(row, r, zero);
     const real near = fma(fabs(r.x) + fabs(r.y) + fabs(r.z), splat(4.0 * UNIT_ROUNDOFF), splat(row[REVOLVED_NEAR]));
-    real chord = 2.0 * fabs(start.b) / a;
+    real chord = R(2.0) * fabs(start.b) / a;
 % if "polished" in cls.traits:
     const bool polishes = polishes_${cls.suffix}(row);
     // twice: the chord of a ray that grazes the wall it left is good to no more than a few digits
@@ -115,11 +115,11 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         // a ray that starts in line with the wall, beyond a rim, goes in or out
         ok1 &= ~on_wall;
         t2 = SEL(on_wall, chord, t2);
-        ok2 = SEL(on_wall, LT(start.b, zero) & chord_ends, ok2);
+        ok2 = SELM(on_wall, LT(start.b, zero) & chord_ends, ok2);
 % if "contact" in effects:
         const double most_near = row[REVOLVED_MOST], middle = 0.5 * (row[REVOLVED_LOW] + row[REVOLVED_HIGH]);
         const mask beside = free_lanes & LE(fabs(height), splat(64.0 * most_near))
-            & LE(fabs(r.z - middle), splat(fma(128.0, most_near, row[REVOLVED_HIGH] - middle)));
+            & LE(fabs(r.z - R(middle)), splat(fma(128.0, most_near, row[REVOLVED_HIGH] - middle)));
 % else:
         const mask beside = on_wall & in_rims_${cls.suffix}(row, r.x, r.y, r.z, near, near);
 % endif
@@ -139,12 +139,12 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
             const mask cross = crosses(p, on_wall, -start.b);
 % endif
             t1 = SEL(on_wall, zero, t1);
-            ok1 = SEL(on_wall, cross, ok1);
+            ok1 = SELM(on_wall, cross, ok1);
             t2 = SEL(on_wall, chord, t2);
-            ok2 = SEL(on_wall, LT(start.b, zero) & chord_ends, ok2);
+            ok2 = SELM(on_wall, LT(start.b, zero) & chord_ends, ok2);
         }
         t = SEL(free_lanes, SEL(ok1, t1, t2), t);
-        ok = SEL(free_lanes, ok1 | ok2, ok);
+        ok = SELM(free_lanes, ok1 | ok2, ok);
     }
     *t_out = t;
     return ok & p->alive;
@@ -153,6 +153,6 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 
 // A ray inside ends on the inside, whatever the rounding of d.n says.
 FN void sides_${cls.suffix}(const packet_t *p, const hit_t *h, mask m, contact_t *c) {
-    c->from_plus |= m & EQ(p->left >> 2, h->code) & NE(p->left & 2L, lsplat(0L));
+    c->from_plus |= m & IEQ(p->left >> 2, h->code) & INE(p->left & 2L, lsplat(0L));
 }
 % endif

@@ -20,16 +20,16 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     const lint element = ELEMENT_OF(h->code);
     // the lanes whose element takes what does not go on
 % if not lossy:
-    const mask takes = lsplat(0L);
+    const mask takes = NO_LANES;
 % else:
-    const mask takes = found${"".join(f" & NE(SURFACE_OF(h->code), lsplat({s.number}L))" for s in lossless)};
+    const mask takes = found${"".join(f" & INE(SURFACE_OF(h->code), lsplat({s.number}L))" for s in lossless)};
 % endif
 % if packets == 1:
     expect(ledger, element, takes);
 % endif
     const image_t before = image_of(p->w);
 % if any(not s.single for s in surfaces):
-    const lint row = MATERIAL_OF(gather_long(scene->codes + launch->material_of, SEL(found, element, lsplat(0L))));
+    const lint row = MATERIAL_OF(gather_long(scene->codes + launch->material_of, SELI(found, element, lsplat(0L))));
 % else:
     const lint row = lsplat(0L);
 % endif
@@ -38,7 +38,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     {
         const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}};
 % if len(surfaces) > 1:
-        const encounter_t event = {found & EQ(SURFACE_OF(h->code), lsplat(${surface.number}L)), p, c, launch->seed};
+        const encounter_t event = {found & IEQ(SURFACE_OF(h->code), lsplat(${surface.number}L)), p, c, launch->seed};
         if (ANY(event.m))
 % else:
         const encounter_t event = {found, p, c, launch->seed};
@@ -48,11 +48,11 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % endfor
 % if passes:
     const mask met = ${point("shade.met", "found & ~outcome.passes")};
-    ledger->passed -= found & outcome.passes;
+    ledger->passed -= INT_MASK(found & outcome.passes);
 % else:
     const mask met = found;
 % endif
-    ledger->interactions -= met;
+    ledger->interactions -= INT_MASK(met);
 
     // what the surface keeps, and what leaves the scene
 % if lossy:
@@ -68,7 +68,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
         book_row(launch, ledger, ROW_ESCAPED, escaped, before);
 % else:
         // of an escaping lane nothing goes on: one booking serves both
-        book(ledger, SEL(found, element, lsplat((long)launch->n_elements)), p->alive, kept);
+        book(ledger, SELI(found, element, lsplat((long)launch->n_elements)), p->alive, kept);
 % endif
     }
 % else:
@@ -76,7 +76,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % endif
 
 % if recorded:
-    end->m = lsplat(0L);
+    end->m = NO_LANES;
 % if "escapes" in recorded:
     end->m |= escaped;
 % endif
@@ -91,7 +91,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     ${statement}
 % endfor
 
-    const lint face = (h->code << 2) | (c->came_plus & 1L);
+    const lint face = (h->code << 2) | (INT_MASK(c->came_plus) & 1L);
 % if passes:
     p->generation += SELW(met, wsplat(1u), wsplat(0u));
 % else:
@@ -99,7 +99,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % endif
 % if "contact" in effects:
     // a segment no longer than the rounding of its ends has no direction to speak of
-    const mask stayed = LE(h->t, (fabs(p->ox) + fabs(p->oy) + fabs(p->oz)) * (16.0 * UNIT_ROUNDOFF));
+    const mask stayed = LE(h->t, (fabs(p->ox) + fabs(p->oy) + fabs(p->oz)) * R(16.0 * UNIT_ROUNDOFF));
     p->came_x = SEL(stayed, p->came_x, p->dx * h->t);
     p->came_y = SEL(stayed, p->came_y, p->dy * h->t);
     p->came_z = SEL(stayed, p->came_z, p->dz * h->t);
@@ -111,14 +111,14 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     child->ox = c->x; child->oy = c->y; child->oz = c->z;
     child->dx = outcome.second_dx; child->dy = outcome.second_dy; child->dz = outcome.second_dz;
     child->w = outcome.second_w;
-    child->left = face | (c->came_plus & 2L);
+    child->left = face | (INT_MASK(c->came_plus) & 2L);
     child->path = child_path(p->path, 1u);
-    p->path = SEL(outcome.splits, child_path(p->path, 0u), p->path);
+    p->path = SELI(outcome.splits, child_path(p->path, 0u), p->path);
 % endif
     p->ox = c->x; p->oy = c->y; p->oz = c->z;
     p->dx = outcome.dx; p->dy = outcome.dy; p->dz = outcome.dz;
     p->w = outcome.w;
-    p->left = face | (outcome.went_plus & 2L);
+    p->left = face | (INT_MASK(outcome.went_plus) & 2L);
     p->alive = found & GT(outcome.w, splat(0.0));
     return met;
 }

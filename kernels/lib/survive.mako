@@ -4,7 +4,7 @@
 
 // A ray that would start generation `cap` is booked as depth-capped.
 FN void cap_generations(const launch_t *launch, packet_t *p, ledger_t *ledger) {
-    const mask capped = p->alive & ${point("survive.at_cap", "GE")}(TO_LINT(p->generation), lsplat((long)launch->generation_cap));
+    const mask capped = p->alive & ${point("survive.at_cap", "IGE")}(TO_LINT(p->generation), lsplat((long)launch->generation_cap));
     if (ANY(capped)) {
         ${point("survive.booked", "book_row(launch, ledger, ROW_CAPPED, capped, image_of(p->w));")}
         p->alive &= ~capped;

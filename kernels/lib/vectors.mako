@@ -15,7 +15,7 @@ FN void renormalise(real *x, real *y, real *z) {
 FN void about_normal(real nx, real ny, real nz, real a, real b, real c,
                      real *x, real *y, real *z) {
     const real sign = SEL(GE(nz, splat(0.0)), splat(1.0), splat(-1.0));
-    const real k = -1.0 / (sign + nz);
+    const real k = R(-1.0) / (sign + nz);
     const real m = nx * ny * k;
     const real e1x = fma(sign * nx, nx * k, splat(1.0)), e1y = sign * m, e1z = -sign * nx;
     const real e2x = m, e2y = fma(ny, ny * k, sign), e2z = -ny;
@@ -27,7 +27,7 @@ FN void about_normal(real nx, real ny, real nz, real a, real b, real c,
 // Rows u, v, w of a frame at f: the local vector (a, b, c) in world coordinates.  Entries 0 and 1
 // make every product and sum exact, so an axis frame costs no accuracy.
 FN void from_frame(__global const double *f, real a, real b, real c, real *x, real *y, real *z) {
-    *x = fma(a, splat(f[0]), fma(b, splat(f[3]), c * f[6]));
-    *y = fma(a, splat(f[1]), fma(b, splat(f[4]), c * f[7]));
-    *z = fma(a, splat(f[2]), fma(b, splat(f[5]), c * f[8]));
+    *x = fma(a, splat(f[0]), fma(b, splat(f[3]), c * R(f[6])));
+    *y = fma(a, splat(f[1]), fma(b, splat(f[4]), c * R(f[7])));
+    *z = fma(a, splat(f[2]), fma(b, splat(f[5]), c * R(f[8])));
 }

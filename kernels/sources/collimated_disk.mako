@@ -5,12 +5,12 @@ FN void emit_${source.suffix}(__global const double *source, real u, real v, rea
                              real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(pv, &s, &c);
-    const real r = ${point("collimated_disk.radius", "sqrt(pu)")} * source[COLLIMATED_DISK_RADIUS];
+    const real r = ${point("collimated_disk.radius", "sqrt(pu)")} * R(source[COLLIMATED_DISK_RADIUS]);
     from_frame(source + SOURCE_FRAME, r * c, r * s, splat(0.0), x, y, z);
-    *x += source[SOURCE_X]; *y += source[SOURCE_Y]; *z += source[SOURCE_Z];
+    *x += R(source[SOURCE_X]); *y += R(source[SOURCE_Y]); *z += R(source[SOURCE_Z]);
 % if source.option == "diverging":
     sincos_turns(v, &s, &c);
-    const real sin_theta = sqrt(u) * source[COLLIMATED_DISK_SINE];
+    const real sin_theta = sqrt(u) * R(source[COLLIMATED_DISK_SINE]);
     from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, sqrt(fma(-sin_theta, sin_theta, splat(1.0))),
                dx, dy, dz);
 % else:

@@ -6,5 +6,5 @@ FN void emit_${source.suffix}(__global const double *source, real u, real v, rea
     sincos_turns(v, &s, &c);
     const real sin_theta = ${point("cosine_point.sine", "sqrt(u)")};
     *x = splat(source[SOURCE_X]); *y = splat(source[SOURCE_Y]); *z = splat(source[SOURCE_Z]);
-    from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, ${point("cosine_point.cosine", "sqrt(1.0 - u)")}, dx, dy, dz);
+    from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, ${point("cosine_point.cosine", "sqrt(R(1.0) - u)")}, dx, dy, dz);
 }

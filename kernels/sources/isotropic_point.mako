@@ -4,7 +4,7 @@ FN void emit_${source.suffix}(__global const double *source, real u, real v, rea
                              real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(v, &s, &c);
-    const real sin_theta = 2.0 * sqrt(u * (1.0 - u));
+    const real sin_theta = R(2.0) * sqrt(u * (R(1.0) - u));
     *x = splat(source[SOURCE_X]); *y = splat(source[SOURCE_Y]); *z = splat(source[SOURCE_Z]);
     *dx = sin_theta * c;
     *dy = sin_theta * s;

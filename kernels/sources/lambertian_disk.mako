@@ -4,10 +4,10 @@ FN void emit_${source.suffix}(__global const double *source, real u, real v, rea
                              real *x, real *y, real *z, real *dx, real *dy, real *dz) {
     real s, c;
     sincos_turns(pv, &s, &c);
-    const real r = sqrt(pu) * source[LAMBERTIAN_DISK_RADIUS];
+    const real r = sqrt(pu) * R(source[LAMBERTIAN_DISK_RADIUS]);
     from_frame(source + SOURCE_FRAME, r * c, r * s, splat(0.0), x, y, z);
-    *x += source[SOURCE_X]; *y += source[SOURCE_Y]; *z += source[SOURCE_Z];
+    *x += R(source[SOURCE_X]); *y += R(source[SOURCE_Y]); *z += R(source[SOURCE_Z]);
     sincos_turns(v, &s, &c);
     const real sin_theta = sqrt(u);
-    from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, sqrt(1.0 - u), dx, dy, dz);
+    from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, sqrt(R(1.0) - u), dx, dy, dz);
 }

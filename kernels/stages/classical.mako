@@ -17,8 +17,8 @@ __kernel void generate_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS) {
         packet_t p;
         clear_packet(&p);
         uint n;
-        const lint i = rank_lanes(lsplat(-1L), &n) + (long)item.next;
-        generate(launch, &scene, item.slot, i, LT(i, lsplat((long)item.end)), &p);
+        const lint i = rank_lanes(ALL_LANES, &n) + (long)item.next;
+        generate(launch, &scene, item.slot, i, ILT(i, lsplat((long)item.end)), &p);
         item.next = min(item.next + (ulong)LANES, item.end);
         push_rays(&queue, &item.stack, p.alive, &p);
     }
@@ -53,8 +53,8 @@ __kernel void intersect_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, __global double 
         packet_t p;
         clear_packet(&p);
         uint n;
-        const lint i = rank_lanes(lsplat(-1L), &n) + j;
-        take_rays(&queue, i, LT(i, lsplat((long)item.stack)), &p);
+        const lint i = rank_lanes(ALL_LANES, &n) + j;
+        take_rays(&queue, i, ILT(i, lsplat((long)item.stack)), &p);
         hit_t hit;
         nearest(&scene, &p, &hit);
         const lint at = queue_place(&queue, i);
@@ -90,15 +90,15 @@ __kernel void interact_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
         packet_t p, child;
         clear_packet(&p);
         uint n;
-        const lint i = rank_lanes(lsplat(-1L), &n) + j;
-        take_rays(&queue, i, LT(i, lsplat((long)item.stack)), &p);
-        const lint at = queue_place(&queue, SEL(p.alive, i, lsplat(0L)));
+        const lint i = rank_lanes(ALL_LANES, &n) + j;
+        take_rays(&queue, i, ILT(i, lsplat((long)item.stack)), &p);
+        const lint at = queue_place(&queue, SELI(p.alive, i, lsplat(0L)));
         hit_t hit;
 % for n, name in enumerate(hit_reals):
         hit.${name} = gather(hit_reals + ${n} * field, at);
 % endfor
-% for n, (name, _) in enumerate(hit_longs):
-        hit.${name} = gather_long(hit_longs + ${n} * field, at);
+% for n, (name, kind) in enumerate(hit_longs):
+        hit.${name} = ${"MASK_OF" if kind == "mask" else ""}(gather_long(hit_longs + ${n} * field, at));
 % endfor
         hit.found = p.alive & LT(hit.t, splat(INFINITY));
         contact_t contact;
@@ -113,8 +113,8 @@ __kernel void interact_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
         packet_t p;
         clear_packet(&p);
         uint n;
-        const lint i = rank_lanes(lsplat(-1L), &n) + j;
-        take_rays(&queue, i, LT(i, lsplat((long)tail)), &p);
+        const lint i = rank_lanes(ALL_LANES, &n) + j;
+        take_rays(&queue, i, ILT(i, lsplat((long)tail)), &p);
         push_rays(&queue, &kept, p.alive, &p);
     }
     item.stack = kept;

@@ -20,7 +20,7 @@ __kernel void follow_stage(SCENE_ARGUMENTS, __global const double *rays, __globa
     p.dx = rays[6 * i + 3]; p.dy = rays[6 * i + 4]; p.dz = rays[6 * i + 5];
     p.left = leaves[i];
     p.w = 1.0;
-    p.alive = -1L;
+    p.alive = ALL_LANES;
     p.ray_lo = (uint)i;
     for (ulong step = 0; step < steps; step++) {
         const ulong k = i * steps + step;

@@ -31,14 +31,14 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
     open_ledger(&ledger, tally);
     packet_t p;
     clear_packet(&p);
-    generate(launch, &scene, 0, (long)(first + me), lsplat(-1L), &p);
+    generate(launch, &scene, 0, (long)(first + me), ALL_LANES, &p);
     ulong stack = 0, n = 0;
     long parent = -1, begins = 1, cut = 0;
     for (;;) {
         if (!p.alive) {
             if (!stack) break;
             stack--;
-            take_rays(&queue, (long)stack, lsplat(-1L), &p);
+            take_rays(&queue, (long)stack, ALL_LANES, &p);
             parent = waiting[stack];
             begins = 1;
         }

@@ -13,10 +13,10 @@ __kernel void probe_stage(SCENE_ARGUMENTS, __global const double *rays, __global
     for (uint l = 0; l < PACKETS; l++) {
         packet_t *p = packets + l;
         uint n;
-        const lint i = rank_lanes(lsplat(-1L), &n) + (first + l * LANES);
+        const lint i = rank_lanes(ALL_LANES, &n) + (first + l * LANES);
         clear_packet(p);
-        p->alive = LT(i, lsplat((long)n_rays));
-        const lint ray = SEL(p->alive, i, lsplat(0L)), at = ray * 6L;
+        p->alive = ILT(i, lsplat((long)n_rays));
+        const lint ray = SELI(p->alive, i, lsplat(0L)), at = ray * 6L;
         p->ox = gather(rays, at); p->oy = gather(rays + 1, at); p->oz = gather(rays + 2, at);
         p->dx = gather(rays + 3, at); p->dy = gather(rays + 4, at); p->dz = gather(rays + 5, at);
         p->left = gather_long(leaves, ray);
@@ -27,7 +27,7 @@ __kernel void probe_stage(SCENE_ARGUMENTS, __global const double *rays, __global
         const hit_t hit = found[l];
         contact_t c;
         locate(&scene, p, &hit, &c);
-        const lint face = SEL(hit.found, (hit.code << 2) | (c.came_plus & 3L), lsplat(-1L));
+        const lint face = SELI(hit.found, (hit.code << 2) | (INT_MASK(c.came_plus) & 3L), lsplat(-1L));
 % for l in range(lanes):
         if (${lane("p->alive", l)}) {
             const long k = first + l * LANES + ${l};

@@ -12,7 +12,7 @@ FN void fill(const launch_t *launch, const scene_t *scene, const queue_t *queue,
         uint n;
         const lint rank = rank_lanes(~p->alive, &n);
         const uint taken = (uint)min((ulong)n, item->stack);
-        take_rays(queue, ((long)item->stack - 1) - rank, ~p->alive & LT(rank, lsplat(taken)), p);
+        take_rays(queue, ((long)item->stack - 1) - rank, ~p->alive & ILT(rank, lsplat(taken)), p);
         item->stack -= taken;
         *live += taken;
     }
@@ -20,7 +20,7 @@ FN void fill(const launch_t *launch, const scene_t *scene, const queue_t *queue,
         uint n;
         const lint rank = rank_lanes(~p->alive, &n);
         const lint i = rank + (long)item->next;
-        generate(launch, scene, item->slot, i, ~p->alive & LT(i, lsplat((long)item->end)), p);
+        generate(launch, scene, item->slot, i, ~p->alive & ILT(i, lsplat((long)item->end)), p);
         const ulong next = min(item->next + (ulong)n, item->end);
         *live += (uint)(next - item->next);
         item->next = next;

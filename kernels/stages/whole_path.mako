@@ -19,7 +19,7 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
     uint blocked = 0;
     item.records = 0;
     if (item.next < item.end) {
-        generate(launch, &scene, item.slot, (long)item.next, lsplat(-1L), &p);
+        generate(launch, &scene, item.slot, (long)item.next, ALL_LANES, &p);
         item.next++;
     }
     for (;;) {
@@ -27,7 +27,7 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
             if (!item.stack) break;
 % if splits:
             item.stack--;
-            take_rays(&queue, (long)item.stack, lsplat(-1L), &p);
+            take_rays(&queue, (long)item.stack, ALL_LANES, &p);
 % endif
         }
 % if records:

@@ -4,6 +4,6 @@
 FN void meet_clear(const encounter_t *event, const material_t *material, outcome_t *outcome) {
     const packet_t *p = event->p;
     send_on(outcome, event->m, p->dx, p->dy, p->dz, p->w);
-    outcome->went_plus = SEL(event->m, ${point("clear.side", "~event->c->came_plus")}, outcome->went_plus);
+    outcome->went_plus = SELM(event->m, ${point("clear.side", "~event->c->came_plus")}, outcome->went_plus);
     outcome->passes |= event->m;
 }

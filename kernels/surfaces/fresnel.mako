@@ -33,7 +33,7 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     const real a = mci + ct, b = fma(m, ct, ci);
     const real rs = k / (a * a);
     const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);
-    const real whole = fmin(${point("fresnel.reflectance", "0.5 * fma(rs, rs, rp * rp)")}, splat(1.0));
+    const real whole = fmin(${point("fresnel.reflectance", "R(0.5) * fma(rs, rs, rp * rp)")}, splat(1.0));
     const mask total = LE(ct2, splat(0.0));
     const real wr = SEL(total, p->w, p->w * whole);
     const real wt = ${point("fresnel.transmitted", "p->w - wr")};
@@ -46,6 +46,6 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     const mask reflects = total | LE(wt, splat(0.0));
     send_on(outcome, event->m, SEL(reflects, x, tx), SEL(reflects, y, ty), SEL(reflects, z, tz),
             SEL(reflects, p->w, wt));
-    outcome->went_plus = SEL(event->m & ~reflects, ~c->came_plus, outcome->went_plus);
+    outcome->went_plus = SELM(event->m & ~reflects, ~c->came_plus, outcome->went_plus);
     send_second(outcome, ${point("fresnel.splits", "event->m & ~reflects & GT(wr, splat(0.0))")}, x, y, z, wr);
 }

@@ -25,10 +25,10 @@ __kernel void test(__global const double *d, __global const double *n, __global 
     p.dx = LOAD(d, i); p.dy = LOAD(d + count, i); p.dz = LOAD(d + 2 * count, i);
     c.nx = LOAD(n, i); c.ny = LOAD(n + count, i); c.nz = LOAD(n + 2 * count, i);
     c.came_plus = LE(dot3(p.dx, p.dy, p.dz, c.nx, c.ny, c.nz), splat(0.0));
-    const encounter_t event = {lsplat(-1L), &p, &c, 0UL};
+    const encounter_t event = {ALL_LANES, &p, &c, 0UL};
     // a row of each lane's own, behind one another
     uint all;
-    const lint row = (rank_lanes(lsplat(-1L), &all) + (long)(i * LANES)) * 4L;
+    const lint row = (rank_lanes(ALL_LANES, &all) + (long)(i * LANES)) * 4L;
     const material_t material = {m, row, -1L};
     outcome_t o = no_outcome(&p, &c);
     meet_fresnel(&event, &material, &o);

@@ -156,7 +156,7 @@ MUTANTS = (
     ),
     Mutant(
         'reflected child lost',
-        {'fresnel.splits': 'lsplat(0L)'},
+        {'fresnel.splits': 'NO_LANES'},
         gates.busy_room_closes,
     ),
     Mutant(
@@ -221,12 +221,12 @@ MUTANTS = (
     ),
     Mutant(
         'a launched ray hits the face it starts on',
-        {'faces.launched': 'lsplat(-1L)', 'faces.launched_in_contact': 'lsplat(-1L)'},
+        {'faces.launched': 'ALL_LANES', 'faces.launched_in_contact': 'ALL_LANES'},
         gates.launched_rays_leave_their_face,
     ),
     Mutant(
         'of equal distances the last named is hit',
-        {'meet.first_named': 'GT(hit_code, h->code)'},
+        {'meet.first_named': 'IGT(hit_code, h->code)'},
         gates.first_named_is_hit,
     ),
     Mutant(
@@ -241,12 +241,12 @@ MUTANTS = (
     ),
     Mutant(
         'faces in contact are never crossed',
-        {'flat.crossed': 'lsplat(0L)'},
+        {'flat.crossed': 'NO_LANES'},
         gates.contact_behind_glass,
     ),
     Mutant(
         'the sides of the faces in a corner are forgotten',
-        {'faces.known': 'lsplat(0L)'},
+        {'faces.known': 'NO_LANES'},
         gates.corners_hold,
     ),
     Mutant(
@@ -296,7 +296,7 @@ MUTANTS = (
     ),
     Mutant(
         'one interaction too many',
-        {'survive.at_cap': 'GT'},
+        {'survive.at_cap': 'IGT'},
         cap,
     ),
     Mutant(

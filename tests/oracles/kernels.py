@@ -25,6 +25,7 @@ LIBRARIES = ("prelude", "lib/philox", "lib/children", "lib/elementary", "lib/vec
 def library_text(lanes: int, names: tuple[str, ...], effects: frozenset[str]) -> str:
     """Return the rendered libraries."""
     context: dict[str, Any] = {
+        "real": "double",
         "lanes": lanes,
         "lane": lambda value, number: lane(value, number, lanes),
         "effects": effects,

@@ -40,7 +40,7 @@ MUTANTS = {
     "mul_hi(low, high)|mul_hi(low, high) - 1u": "mul_hi",
     "0xD2511F53u|0xD2511F57u": "Philox4x32-10 word",
     "lo >> 11|lo >> 10": "Philox word to double",
-    "splat(0x1.8p52)|splat(0x1.9p52)": "of turns",
+    "splat(TO_INTEGER)|splat(0x1.9p52)": "of turns",
     "atom_add(cell + 1, image.p1)|atom_add(cell + 1, image.p1 + 1)": "tally is off",
     "atom_add(cell, image.p0)|cell[0] = image.p0": "tally is off",
     "(long)(bits & 0xFFFFFFFFUL)|(long)bits": "32-bit pieces",

@@ -1,0 +1,108 @@
+"""Every program with ``real`` = float: there the compiler keeps apart what is one C type otherwise.
+
+OpenCL C converts no vector type silently. A build without a word from the compiler says that masks,
+64-bit integers, reals and wide numbers are not taken for each other, and that no double meets a
+real. What such programs give is not asked here.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from oracles.engine import compiled, with_tree
+from oracles.scenes import everything
+
+import photizon_cl as pz
+from hostcode import templates
+from hostcode.errors import KernelBuildError
+from hostcode.program import build
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.scene.files import load
+from photizon_cl.scene.presets import preset_names
+from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
+
+if TYPE_CHECKING:
+    from hostcode.device.opened import OpenDevice
+    from hostcode.program.spec import ProgramSpec
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs" / "_ext"))
+
+from photizon_docs.examples import example
+
+LANES = (1, 4)
+CASES = (("scan", ()), ("scan", ("contact",)), ("tree", ("contact",)))
+"""How faces are sought, and what is forced on."""
+
+
+@cache
+def every_kind() -> pz.Scene:
+    """Return a scene of every element, surface and source in the registry."""
+    groups = (("element", ELEMENTS), ("surface", SURFACES), ("source", SOURCES))
+    shown = [example(group, kind, cls) for group, kinds in groups for kind, cls in kinds.items()]
+    elements = [element for scene in shown for element in scene.element]
+    sources = [source for scene in shown for source in scene.source]
+    return pz.Scene(
+        name="every kind",
+        element=tuple(replace(e, name=f"element {n}") for n, e in enumerate(elements)),
+        source=tuple(replace(s, name=f"source {n}") for n, s in enumerate(sources)),
+        far_field=pz.FarField(n_mu=2, n_phi=2),
+    )
+
+
+def build_silently(device: OpenDevice, spec: ProgramSpec, lanes: int, *stages: str) -> None:
+    """Build a scene's program with floats; the compiler must say nothing."""
+    import pyopencl as cl
+
+    # both ways to tally and both layouts of the queue are built at some width
+    chosen = spec.for_device(lanes, stages, private_tallies=lanes > 1, interleaved=lanes == 1)
+    program = build.build(device, replace(chosen, real="float"))
+    log = program.built.get_build_info(device.device, cl.program_build_info.LOG)
+    assert log.strip() == ""
+
+
+@pytest.mark.parametrize("lanes", LANES)
+@pytest.mark.parametrize("preset", preset_names())
+def test_presets(device: OpenDevice, preset: str, lanes: int) -> None:
+    build_silently(device, compiled(preset).tables.spec, lanes, "wave")
+
+
+@pytest.mark.parametrize("lanes", LANES)
+@pytest.mark.parametrize(("search", "forced"), CASES)
+def test_every_kind(device: OpenDevice, search: str, forced: tuple[str, ...], lanes: int) -> None:
+    scene = every_kind()
+    made = compile_scene(scene, scene.run, **with_tree(search == "tree", frozenset(forced)))
+    spec = made.tables.spec
+    assert {cls.kind for cls in spec.classes} == {kind.replace("-", "_") for kind in ELEMENTS}
+    build_silently(device, spec, lanes, "wave", "classical")
+    build_silently(device, spec, lanes, "probe", *(("follow", "paths") if lanes == 1 else ()))
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 8, 16])
+def test_a_scene_of_everything(device: OpenDevice, lanes: int) -> None:
+    one = ("whole_path",) if lanes == 1 else ()
+    build_silently(device, compiled(load(everything())).tables.spec, lanes, "wave", *one)
+
+
+MIX_UPS = {
+    "a mask from an integer": {"fresnel.splits": "lsplat(0L)"},
+    "integers compared as reals": {"meet.first_named": "LT(hit_code, h->code)"},
+    "a double constant": {"mirror.weight": "0.5 * p->w"},
+    "a number of a table": {"generate.weight": "w * source[SOURCE_WEIGHT]"},
+}
+
+
+@pytest.mark.parametrize("mix_up", MIX_UPS)
+def test_a_mix_up_does_not_build(
+    device: OpenDevice, monkeypatch: pytest.MonkeyPatch, mix_up: str
+) -> None:
+    monkeypatch.setattr(templates, "MUTATIONS", MIX_UPS[mix_up])
+    monkeypatch.setattr(build, "_CACHE", {})
+    spec = compiled(load(everything())).tables.spec.for_device(2, ("wave",))
+    build.build(device, spec)  # with doubles it does
+    with pytest.raises(KernelBuildError):
+        build.build(device, replace(spec, real="float"))
