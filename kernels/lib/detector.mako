@@ -35,7 +35,7 @@ FN void count_arrival(__global long *cells, const launch_t *launch, __global con
         __global const long *t = d + DETECTOR_HEAD + k * DETECTOR_TALLY;
         long cell = t[TALLY_CELL];
 % for number, form in enumerate(forms):
-        ${"else " if number else ""}if (t[TALLY_FORM] == ${number}) {
+        ${"else " if number else ""}if (${point("detector.form", f"t[TALLY_FORM] == {number}")}) {
 % for n, (stem, option) in enumerate(form.filters):
             cell += ${"".join(f"t[TALLY_BINS({m})] * " for m in range(n))}bin_${stem}${"_" + option if option else ""}(edges + t[TALLY_EDGES(${n})], t[TALLY_BINS(${n})], &a);
 % endfor

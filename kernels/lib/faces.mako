@@ -63,9 +63,10 @@ FN void note(search_t *search, mask m, long code, mask on_minus) {
 FN void turn_page(packet_t *p, const hit_t *h) {
     const lint slot = SLOT_OF(ELEMENT_OF(p->left >> 2), FACE_OF(p->left >> 2)) | (p->left >> 1 & 1L);
 % for n in range(counts["note_words"] - 1):
-    p->note${n} = h->noted.word${n};
+    p->note${n} = ${point("faces.remembered", f"h->noted.word{n}")};
 % endfor
-    p->note${counts["note_words"] - 1} = (h->noted.word${counts["note_words"] - 1} & ~NO_SLOT) | SELI(IEQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot);
+<% last = counts["note_words"] - 1 %>
+    p->note${last} = (${point("faces.remembered", f"h->noted.word{last}")} & ~NO_SLOT) | ${point("faces.departed", "SELI(IEQ(p->left, lsplat(NO_FACE)), lsplat(NO_SLOT), slot)")};
 }
 
 // The lanes of m that are on the - side of a face, which is noted.  below: what the sign of the

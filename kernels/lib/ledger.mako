@@ -95,5 +95,5 @@ FN void close_ledger(ledger_t *ledger) {
 
 // Interactions have a row of their own, the last cell of a batch's tally; only its count is used.
 FN void count_interactions(const launch_t *launch, const ledger_t *ledger, long n) {
-    atom_add(ledger->tally + (launch->n_cells - 1) * CELL + 3, n);
+    atom_add(ledger->tally + (launch->n_cells - 1) * CELL + 3, ${point("ledger.interactions", "n")});
 }

@@ -320,6 +320,31 @@ MUTANTS = (
         lambda: gates.preset_agrees("box-room"),
     ),
     Mutant(
+        "a map's bins from the other axis in azimuth",
+        {'azimuth.plane': 'a->v, a->u'},
+        reference,
+    ),
+    Mutant(
+        "no tally's form is known",
+        {'detector.form': 'false'},
+        reference,
+    ),
+    Mutant(
+        'interactions are booked on no row',
+        {'ledger.interactions': '0L'},
+        cap,
+    ),
+    Mutant(
+        'the faces in a corner are not remembered',
+        {'faces.remembered': 'lsplat(-1L)'},
+        gates.corners_hold,
+    ),
+    Mutant(
+        'the face that was left is not remembered',
+        {'faces.departed': 'lsplat(NO_SLOT)'},
+        gates.corners_hold,
+    ),
+    Mutant(
         'mirror without loss',
         {'mirror.weight': 'p->w'},
         gates.periscope,

@@ -99,6 +99,7 @@ def generation_cap(cap: int) -> None:
     found = trace(scene_of([beam((0, 0, 0), "+z")], cube(mirror(0.5))), generation_cap=cap)
     rays = found.compiled.settings.rays_per_batch
     assert found.interactions == cap * rays
+    assert found.count(found.compiled.layout.interactions) == cap * rays
     assert found.depth_capped == rays * half**cap
     ceiling, floor = found.absorbed("element 5"), found.absorbed("element 4")
     assert ceiling == rays * sum(half ** (k + 1) for k in range(0, cap, 2))
