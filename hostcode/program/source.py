@@ -33,7 +33,8 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     names = ["prelude", "lib/philox", "lib/elementary", "lib/vectors", "lib/limbs", "lib/packets"]
     if spec.splits:
         names.append("lib/children")
-    names += dict.fromkeys(library for cls in spec.classes for library in cls.libraries)
+    users = (*spec.classes, *spec.surfaces, *spec.sources)
+    names += dict.fromkeys(library for user in users for library in user.libraries)
     parts: list[tuple[str, dict[str, Any]]] = [(name, {}) for name in names]
     for cls in spec.classes:
         parts += [(name, {"cls": cls}) for name in (*cls.templates, "lib/meet")]

@@ -47,7 +47,7 @@ class ElementClass:
     templates : tuple of str
         Kernel templates that are rendered for each class, in order, its own file among them.
     libraries : tuple of str
-        Kernel templates that such classes share, rendered once a program before them.
+        Kernel templates that its own need before them, rendered once a program.
     flat : bool
         Whether it lies in a plane: then a hit near its edge is moved onto it.
     faced : bool
@@ -100,6 +100,8 @@ class SurfaceKind:
         Whether a ray may go on as two.
     counts : bool
         Whether meeting it is an interaction; else a ray passes as if nothing were there.
+    libraries : tuple of str
+        Kernel templates that its file needs before it, rendered once a program.
     """
 
     kind: str
@@ -108,6 +110,7 @@ class SurfaceKind:
     absorbs: bool = True
     splits: bool = False
     counts: bool = True
+    libraries: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -124,12 +127,15 @@ class SourceKind:
         Its number in the source table.
     draws_position : bool
         Whether it draws where rays start.
+    libraries : tuple of str
+        Kernel templates that its file needs before it, rendered once a program.
     """
 
     stem: str
     option: str
     number: int
     draws_position: bool
+    libraries: tuple[str, ...] = ()
 
     @property
     def suffix(self) -> str:

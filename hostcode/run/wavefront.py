@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.errors import Abandoned
+from hostcode.errors import Abandoned, HostError
 from hostcode.program.build import Program, build
 from hostcode.program.fields import of_type
 from hostcode.program.structs import ITEM, LAUNCH, STATUS, numpy_dtype
@@ -45,6 +45,8 @@ _EVENTS_BEFORE_FLUSH: Final = 1 << 30
 """Interactions after which the limbs are read: 2^31 pieces of 2^32 fill a 64-bit sum. Escapes
 are not counted: there is at most one for each interaction or launched ray, and a batch has at most
 2^24 of those."""
+_FULLEST: Final = 2.0**62
+"""Units of 2^-31 launched weights that a batch's cells may hold together."""
 _TALLY_BYTES: Final = 256 << 20
 """Device memory that the slots' tallies may take."""
 _COPIES_BYTES: Final = 64 << 20
@@ -397,4 +399,11 @@ class Engine:
         self._launch_merge()
         self._cl.enqueue_copy(self.device.queue, part, self._tally)
         flat = canonical((total + part).reshape(-1, CELL))
-        return flat.reshape(total.shape)
+        total = flat.reshape(total.shape)
+        # far below the overflow, which what rays pass many times could reach without a word
+        if total[:, :, 0].sum(axis=1, dtype=np.float64).max() > _FULLEST:
+            raise HostError(
+                "a batch's tally holds more than 2^31 launched weights: what rays pass or meet very "
+                "often filled it; take fewer rays_per_batch or a lower generation_cap"
+            )
+        return total

@@ -93,6 +93,20 @@ FN void close_ledger(ledger_t *ledger) {
 % endfor
 }
 
+// Adds weights to cells that an effect has of its own: of each lane in m its image, and one to the count,
+// to cell `first` + number.
+FN void count_weights(const ledger_t *ledger, ulong first, lint number, mask m, image_t image) {
+% for l in range(lanes):
+    if (${lane("m", l)}) {
+        __global long *cell = ledger->tally + (first + (ulong)${lane("number", l)}) * CELL;
+        atom_add(cell, ${lane("image.p0", l)});
+        if (${lane("image.p1", l)}) atom_add(cell + 1, ${lane("image.p1", l)});
+        if (${lane("image.p2", l)}) atom_add(cell + 2, ${lane("image.p2", l)});
+        atom_add(cell + 3, 1L);
+    }
+% endfor
+}
+
 // Interactions have a row of their own, the last cell of a batch's tally; only its count is used.
 FN void count_interactions(const launch_t *launch, const ledger_t *ledger, long n) {
     atom_add(ledger->tally + (launch->n_cells - 1) * CELL + 3, ${point("ledger.interactions", "n")});

@@ -27,7 +27,7 @@ from photizon_cl.compile.packing import (
     surface_kinds,
 )
 from photizon_cl.compile.rays import check_weights, ray_weights, share_rays
-from photizon_cl.errors import ArgumentError
+from photizon_cl.errors import ArgumentError, Problem, SceneError, show
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -108,6 +108,8 @@ def compile_scene(
 
     Raises
     ------
+    SceneError
+        Where the settings ask for an effect that there is not, or that the scene cannot have.
     ArgumentError
         Where a batch has fewer rays than the scene has sources, the rays of one source are so weak
         beside another's that the tally could not hold them, or the scene has more elements or kinds
@@ -116,7 +118,7 @@ def compile_scene(
     rays = share_rays(scene, settings.rays_per_batch)
     unit_power, weights = ray_weights(scene, rays)
     check_weights(scene, weights)
-    used = _effects_in_use(scene, settings, force, without)
+    used = _effects_in_use(scene, settings, force | _asked_for(scene, settings), without)
     layout = lay_out(
         scene,
         [row for effect, _ in used for row in effect.rows(scene)],
@@ -215,6 +217,24 @@ def _effects_in_use(
         if reason is not None:
             used.append((effect, reason))
     return used
+
+
+def _asked_for(scene: Scene, settings: RunSettings) -> frozenset[str]:
+    """Return the effects that the settings name."""
+    known = {effect.name: effect for effect in EFFECTS}
+    problems = []
+    for name in settings.effects or ():
+        if name not in known:
+            expected = f"some of {', '.join(known)}"
+            problems.append(Problem("run.effects", show(name), expected))
+        elif known[name].needed(scene, settings) is None and not known[name].possible(scene):
+            hint = f"nothing in it has what this one works on: {known[name].what}"
+            problems.append(
+                Problem("run.effects", show(name), "effects that the scene can have", hint=hint)
+            )
+    if problems:
+        raise SceneError(problems)
+    return frozenset(settings.effects or ())
 
 
 def _kinds_in_use(scene: Scene) -> dict[str, str]:

@@ -77,8 +77,11 @@ def columns(scene: Scene) -> tuple[tuple[str, int], ...]:
 
 def source_kinds(scene: Scene) -> tuple[SourceKind, ...]:
     """Return the source kinds in use, by name."""
-    kinds = sorted({(s.kernel, s.option, s.draws_position) for s in scene.source})
-    return tuple(SourceKind(stem, o, n, draws) for n, (stem, o, draws) in enumerate(kinds))
+    kinds = sorted({(s.kernel, s.option, s.draws_position, s.libraries) for s in scene.source})
+    return tuple(
+        SourceKind(stem, option, n, draws, libraries)
+        for n, (stem, option, draws, libraries) in enumerate(kinds)
+    )
 
 
 def source_table(
@@ -280,6 +283,7 @@ def surface_kinds(scene: Scene, material_of: list[int]) -> tuple[SurfaceKind, ..
             absorbs=made[kind].absorbs,
             splits=made[kind].splits,
             counts=made[kind].counts,
+            libraries=made[kind].libraries,
         )
         for n, kind in enumerate(sorted(rows))
     )

@@ -34,6 +34,8 @@ _PREFIX: Final = "pz1-"
 _LARGEST: Final = 2**26  # bytes that a token may unpack to
 _BITS: Final = ("seed", "rays_per_batch", "generation_cap", "roulette_floor")
 """Settings that the bits of a batch depend on."""
+_ASKED: Final = "effects"
+"""One more of them, which stands in a recipe only where it is given."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,8 @@ class RecipeText:
         """The recipe as one word of ASCII."""
         preset = next((n for n in preset_names() if _alike(load(n), self.scene)), None)
         run = {name: getattr(self.scene.run, name) for name in _BITS}
+        if self.scene.run.effects is not None:
+            run[_ASKED] = self.scene.run.effects
         tables = {k: v for k, v in self.scene.to_dict().items() if k not in ("run", "notes")}
         content = {
             "scene": tables if preset is None else preset,
@@ -211,6 +215,7 @@ def _scene(content: dict[str, Any]) -> Scene:
     else:
         scene = read_scene(tables)
     given = {name: content["run"][name] for name in _BITS}
+    given[_ASKED] = content["run"].get(_ASKED)
     scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, **given))
     if scene.digest() != content["scene_digest"]:
         raise RecipeError(

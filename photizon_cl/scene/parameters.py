@@ -179,6 +179,23 @@ class Choice(Parameter):
         return self.refuse(value, path, problems)
 
 
+class Words(Parameter):
+    """A list of different words, in any order, kept sorted."""
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return "a list of different words"
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if not isinstance(value, list | tuple):
+            return self.refuse(value, path, problems)
+        if not all(isinstance(word, str) and word.isprintable() and word for word in value):
+            return self.refuse(value, path, problems, "write each in quotes")
+        if len(set(value)) < len(value):
+            return self.refuse(value, path, problems, "one stands in it twice")
+        return tuple(sorted(map(str, value)))
+
+
 class Name(Parameter):
     """A name: one printable line of at most 64 characters, in Unicode normal form C.
 
@@ -331,6 +348,11 @@ def signed_axis(meaning: str) -> dict[str, Parameter]:
 def choice(options: Sequence[str], meaning: str) -> dict[str, Parameter]:
     """Declare one of a few words."""
     return declare(Choice(options, meaning=meaning))
+
+
+def words(meaning: str) -> dict[str, Parameter]:
+    """Declare a list of different words."""
+    return declare(Words(meaning))
 
 
 def unique_name(meaning: str) -> dict[str, Parameter]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Final
 
 from photizon_cl.scene.described import Described
-from photizon_cl.scene.parameters import fraction, integer, number
+from photizon_cl.scene.parameters import fraction, integer, number, words
 
 MAX_SEED: Final = 2**64 - 1
 MAX_RAYS_PER_BATCH: Final = 2**24
@@ -33,6 +33,9 @@ class RunSettings(Described):
         Interactions that are made of a ray and its descendants, 1 … 2^20 − 1.
     roulette_floor : float
         Weight relative to the launched one below which roulette is played, in [0, 1]; 0 is off.
+    effects : tuple of str, optional
+        Effects that are compiled in although nothing else in the scene calls for them, by the names
+        that ``photizon kinds`` lists.
     """
 
     label: ClassVar[str] = "run"
@@ -59,6 +62,9 @@ class RunSettings(Described):
     roulette_floor: float = field(
         default=0.0,
         metadata=fraction("relative weight below which roulette is played", "0 switches it off"),
+    )
+    effects: tuple[str, ...] | None = field(
+        default=None, metadata=words("effects compiled in although nothing else calls for them")
     )
 
 

@@ -55,6 +55,8 @@ class Source(Described):
     """Whether it has an axis and a tilt."""
     draws_position: ClassVar[bool] = False
     """Whether its rays start at many points, for which each draws a second pair of uniforms."""
+    libraries: ClassVar[tuple[str, ...]] = ()
+    """Kernel templates that its file needs before it (``lib/powers``), once a program."""
     row: ClassVar[Row] = NO_ROW
     """Columns of its row in the source table, behind those that all sources have."""
 

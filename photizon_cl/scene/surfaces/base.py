@@ -20,6 +20,8 @@ class Surface(Described):
     """What it does, in one line."""
     costs: ClassVar[str] = ""
     """What the device does more because of it, in one line."""
+    libraries: ClassVar[tuple[str, ...]] = ()
+    """Kernel templates that its file needs before it (``lib/powers``), once a program."""
     row: ClassVar[Row] = NO_ROW
     """Columns of its row in the material table."""
     absorbs: ClassVar[bool] = True
