@@ -33,8 +33,10 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     names = ["prelude", "lib/philox", "lib/elementary", "lib/vectors", "lib/limbs", "lib/packets"]
     if spec.splits:
         names.append("lib/children")
-    users = (*spec.classes, *spec.surfaces, *spec.sources)
-    names += dict.fromkeys(library for user in users for library in user.libraries)
+    wanted = [kind.libraries for kind in spec.classes]
+    wanted += [kind.libraries for kind in spec.surfaces]
+    wanted += [kind.libraries for kind in spec.sources]
+    names += dict.fromkeys(library for libraries in wanted for library in libraries)
     parts: list[tuple[str, dict[str, Any]]] = [(name, {}) for name in names]
     for cls in spec.classes:
         parts += [(name, {"cls": cls}) for name in (*cls.templates, "lib/meet")]

@@ -403,7 +403,7 @@ class Engine:
         # far below the overflow, which what rays pass many times could reach without a word
         if total[:, :, 0].sum(axis=1, dtype=np.float64).max() > _FULLEST:
             raise HostError(
-                "a batch's tally holds more than 2^31 launched weights: what rays pass or meet very "
-                "often filled it; take fewer rays_per_batch or a lower generation_cap"
+                "a batch's tally holds more than 2^31 launched weights: what rays pass or meet "
+                "very often filled it; take fewer rays_per_batch or a lower generation_cap"
             )
         return total

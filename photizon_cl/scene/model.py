@@ -91,9 +91,9 @@ class Scene(Described):
         """Return ``sha256:…`` over what determines the stream and the rows of its results.
 
         Included: every source and element with its name, in file order, the far-field bins, and
-        of ``[run]`` seed, rays_per_batch, generation_cap, roulette_floor and the effects that it asks
-        for. Left out: name, title, notes, and target_sigma and max_seconds, which only decide when to stop. Defaults
-        count as written out; floats enter by their exact hexadecimal value.
+        of ``[run]`` seed, rays_per_batch, generation_cap, roulette_floor and the effects that it
+        asks for. Left out: name, title, notes, and target_sigma and max_seconds, which only decide
+        when to stop. Defaults count as written out; floats enter by their exact hexadecimal value.
         """
         table = {k: v for k, v in self.to_dict().items() if k not in _LABELS}
         table["run"] = {k: v for k, v in table["run"].items() if k not in _WHEN_TO_STOP}

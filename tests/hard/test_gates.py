@@ -191,6 +191,7 @@ ALLOWED = {
 }
 COEFFICIENTS = {
     "lib/elementary.mako",
+    "lib/powers.mako",
     "lib/philox.mako",
     "lib/limbs.mako",
     "lib/ledger.mako",

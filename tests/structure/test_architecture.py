@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ("docs/architecture.md", "CONTRIBUTING.md", "docs/add-a-kind.md", "CHANGELOG.md")
-MADE_BY_THE_PAGE = {"retroreflector", "bounces"}
+MADE_BY_THE_PAGE = {"phong", "retroreflector", "bounces"}
 
 
 @pytest.mark.parametrize("page", PAGES)
