@@ -136,8 +136,8 @@ ${figure(f)}
 ${parts.table(tally)}
 % endfor
 </section>
-% endif
 
+% endif
 % if others:
 <section aria-labelledby="more-figures">
 <h2 id="more-figures">More figures</h2>
