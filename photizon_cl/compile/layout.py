@@ -192,6 +192,11 @@ class TallyLayout:
         return next((group for group in self.groups if group.effect == effect), None)
 
     @property
+    def labelled(self) -> tuple[CellGroup, ...]:
+        """The effects' cells that results show by name."""
+        return tuple(group for group in self.groups if group.labels)
+
+    @property
     def escaped(self) -> int:
         """Cell of what leaves the scene."""
         return self.row("escaped")

@@ -122,8 +122,9 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
         },
     )
     # only where there are any: files of scenes without are what they always were
-    if result.tallies:
-        made.attrs[_TALLIES] = json.dumps(list(result.tallies))
+    labelled = result.compiled.layout.labelled
+    if labelled:
+        made.attrs[_TALLIES] = json.dumps([group.effect for group in labelled])
     made.attrs["checksum"] = _checksum(made, to_toml(result.scene))
     return made
 
@@ -231,7 +232,7 @@ def _compiled(file: Path, scene: Scene, tallied: set[str]) -> CompiledScene:
     """
     known = frozenset(effect.name for effect in EFFECTS if effect.name in tallied)
     compiled = compile_scene(scene, scene.run, known)
-    having = {group.effect for group in compiled.layout.groups if group.labels}
+    having = {group.effect for group in compiled.layout.labelled}
     gone = sorted(tallied - having)
     if gone:
         raise ResultError(

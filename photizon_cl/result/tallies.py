@@ -31,7 +31,7 @@ def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> dict[str, dic
     tally : Accumulator
         At least one batch.
     """
-    return {g.effect: _cells(compiled, tally, g) for g in compiled.layout.groups if g.labels}
+    return {g.effect: _cells(compiled, tally, g) for g in compiled.layout.labelled}
 
 
 def _cells(compiled: CompiledScene, tally: Accumulator, group: CellGroup) -> dict[str, Estimate]:
