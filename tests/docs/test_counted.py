@@ -13,6 +13,8 @@ import re
 import pytest
 from pages import Runner, apply_hunks
 
+import photizon_cl as pz
+
 KERNEL = """\
 // Power that meets each element, with its count.
 FN void count_landings(const launch_t *launch, const ledger_t *ledger, lint element, mask met,
@@ -190,6 +192,10 @@ def test_what_an_effect_counts_is_in_every_view(runner):
     assert rows == [[name, c["value"], c["sigma"], c["count"]] for name, c in cells.items()]
     assert opened == cells
     assert "landings: power that meets each element" in notebook
+
+    # who does not know the effect is told, and gets no other numbers
+    with pytest.raises(pz.ResultError, match='has counts of "landings", which this version'):
+        pz.open_result(folder / "out")
 
     # a section of the report
     runner.command(["report", "out"])
