@@ -10,6 +10,7 @@ from rich.text import Text
 
 from photizon_cl.cli.tables import console, paragraph, print_table, table
 from photizon_cl.errors import ResultError
+from photizon_cl.result.tallies import only_counts, ranked
 from photizon_cl.result.text import lit_percent, with_error
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["give", "print_result"]
 
+_MOST_TALLIED: Final = 10
+"""Rows of what an effect counts that are printed; the files have all."""
 _STOPPED: Final = {"interrupt": "by Ctrl-C", "time": "by max_seconds"}
 """What ends a run before its goal."""
 
@@ -70,6 +73,7 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
     out.print()
     _print_ledger(result, out)
     _print_detectors(result, out)
+    _print_tallies(result, out)
     achieved = result.achieved_sigma
     sigma = "unknown" if achieved is None else f"{achieved:.3g}"
     verdict = "met" if result.converged else "not met"
@@ -137,3 +141,18 @@ def _print_detectors(result: Result, out: Console) -> None:
                 text += f", lit {values.min():.4g} … {values.max():.4g} W/m²"
             rows.add_row(Text(text), "", "", "")
     print_table(rows, out)
+
+
+def _print_tallies(result: Result, out: Console) -> None:
+    """Print the largest rows of what each effect counts."""
+    for effect, cells in result.tallies.items():
+        out.print()
+        powers = [] if only_counts(cells) else [("W", "right"), ("± σ", "right")]
+        rows = table((effect, "left"), *powers, ("count", "right"))
+        shown, left = ranked(cells, _MOST_TALLIED)
+        for label, cell in shown.items():
+            power = with_error(cell.value, cell.sigma) if powers else ()
+            rows.add_row(Text(label), *power, str(cell.count))
+        if left:
+            rows.add_row(Text(f"… {left} more"))
+        print_table(rows, out)

@@ -140,13 +140,27 @@ class CellGroup:
     shape : tuple of int
         Row-major.
     labels : tuple of str
-        What each cell is, where results show them by name.
+        What each cell is, where results show them by name; all different.
+
+    Raises
+    ------
+    ValueError
+        Where there are labels, and not one of its own for each cell.
     """
 
     effect: str
     first: int
     shape: tuple[int, ...]
     labels: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """See that no cell would be shown under another's label."""
+        different = len(set(self.labels))
+        if self.labels and not different == len(self.labels) == self.size:
+            raise ValueError(
+                f"the effect {self.effect!r} has {self.size} cells and {len(self.labels)} labels, "
+                f"{different} of them different: give each cell a label of its own, or no labels"
+            )
 
     @property
     def size(self) -> int:
@@ -176,6 +190,11 @@ class TallyLayout:
     def group(self, effect: str) -> CellGroup | None:
         """Return the cells that an effect brings, None where it brings none."""
         return next((group for group in self.groups if group.effect == effect), None)
+
+    @property
+    def labelled(self) -> tuple[CellGroup, ...]:
+        """The effects' cells that results show by name."""
+        return tuple(group for group in self.groups if group.labels)
 
     @property
     def escaped(self) -> int:

@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import xarray as xr
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
 
-__all__ = ["dataset", "prefix"]
+__all__ = ["dataset"]
 
 _RESERVED: Final = frozenset({"far_field", "ledger"})
 _HATCHING: Final = "bins with a count below 10 have an unreliable sigma and are shown hatched"
@@ -21,19 +23,24 @@ _HATCHING: Final = "bins with a count below 10 have an unreliable sigma and are 
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]]
 
 
-def prefix(element: str) -> str:
+def _prefix(element: str, result: Estimates) -> str:
     """Return what the names of a detector's arrays begin with: the name of its element.
 
     An element named like one of the file's own prefixes gets a trailing underscore.
     """
-    return f"{element}_" if element.rstrip("_") in _RESERVED else element
+    taken = _RESERVED.union(map(_tally_prefix, result.tallies))
+    return f"{element}_" if element.rstrip("_") in taken else element
+
+
+def _tally_prefix(effect: str) -> str:
+    return f"tallies.{effect}"
 
 
 def dataset(result: Estimates) -> xr.Dataset:
     """Return every array of a result, labelled.
 
-    Variables are ``ledger.*``, ``DETECTOR.*`` and ``far_field.*``; powers in W, irradiance in W/m²,
-    intensity in W/sr. A σ is NaN with a single batch.
+    Variables are ``ledger.*``, ``DETECTOR.*``, ``far_field.*`` and ``tallies.EFFECT.*``; powers in
+    W, irradiance in W/m², intensity in W/sr. A σ is NaN with a single batch.
     """
     import xarray as xr
 
@@ -41,9 +48,11 @@ def dataset(result: Estimates) -> xr.Dataset:
     coordinates: Variables = {}
     _ledger(result, variables, coordinates)
     for name, detector in result.detectors.items():
-        _detector(name, detector, variables, coordinates)
+        _detector(name, _prefix(name, result), detector, variables, coordinates)
     if result.far_field is not None:
         _far_field(result.far_field, variables, coordinates)
+    for effect, cells in result.tallies.items():
+        _tally(effect, cells, variables, coordinates)
     attrs = {
         "title": result.scene.title or result.scene.name,
         "scene_name": result.scene.name,
@@ -74,9 +83,8 @@ def _ledger(result: Estimates, variables: Variables, coordinates: Variables) -> 
 
 
 def _detector(
-    name: str, detector: DetectorResult, variables: Variables, coordinates: Variables
+    name: str, at: str, detector: DetectorResult, variables: Variables, coordinates: Variables
 ) -> None:
-    at = prefix(name)
     about = {"element": name}
     power = detector.power
     variables[f"{at}.power"] = ((), power.value, {**about, "units": "W"})
@@ -145,3 +153,22 @@ def _far_field(far: FarFieldResult, variables: Variables, coordinates: Variables
     variables["far_field.count"] = (dims, far.count, {"units": "1", "long_name": "rays"})
     solid = {"units": "sr", "long_name": "solid angle of every bin"}
     variables["far_field.solid_angle"] = ((), far.solid_angle, solid)
+
+
+def _tally(
+    effect: str, cells: Mapping[str, Estimate], variables: Variables, coordinates: Variables
+) -> None:
+    """Add what an effect counts, shape (labels,)."""
+    at = _tally_prefix(effect)
+    dim = (f"{at}.label",)
+    about = {"effect": effect}
+    labels = np.array(list(cells), dtype=object)
+    coordinates[dim[0]] = (dim, labels, {**about, "long_name": "what each cell is"})
+    rows = cells.values()
+    power = {**about, "units": "W", "long_name": "mean over batches"}
+    variables[f"{at}.power"] = (dim, np.array([row.value for row in rows]), power)
+    error = {**about, "units": "W", "long_name": "standard error"}
+    variables[f"{at}.sigma"] = (dim, np.array([_sigma(row) for row in rows]), error)
+    count = {**about, "units": "1", "long_name": "counts of all batches"}
+    counts = np.array([row.count for row in rows], np.int64)
+    variables[f"{at}.count"] = (dim, counts, count)

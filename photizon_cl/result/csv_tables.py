@@ -7,13 +7,13 @@ import io
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import Rung
 
-__all__ = ["detectors_csv", "ledger_csv"]
+__all__ = ["detectors_csv", "ledger_csv", "tally_csv"]
 
 
 def ledger_csv(result: Estimates) -> str:
@@ -34,6 +34,12 @@ def detectors_csv(result: Estimates) -> str:
                 yield (name, rung.generation, *_numbers(rung), rung.count)
 
     return _text(("detector", "generation", "value_W", "sigma_W", "count"), rows())
+
+
+def tally_csv(cells: Mapping[str, Estimate]) -> str:
+    """Return what an effect counts: label, watts, σ in watts (empty with a single batch), count."""
+    rows = ((label, *_numbers(cell), cell.count) for label, cell in cells.items())
+    return _text(("label", "value_W", "sigma_W", "count"), rows)
 
 
 def _numbers(row: Estimate | Rung) -> tuple[object, object]:

@@ -16,9 +16,10 @@ import numpy as np
 from photizon_cl.checks.advisories import advisories
 from photizon_cl.result.advisories import run_advisories
 from photizon_cl.result.engine import engine_digest
-from photizon_cl.result.ledger import Estimate, Ledger, watts
+from photizon_cl.result.ledger import Ledger
 from photizon_cl.result.maps import DetectorResult, FarFieldResult
 from photizon_cl.result.stopping import Goal, achieved_sigma
+from photizon_cl.result.tallies import effect_tallies
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene
 
@@ -142,21 +144,7 @@ class Estimates:
 
         Values in watts with their σ, and counts.
         """
-        compiled, tally = self.compiled, self.tally
-        found: dict[str, dict[str, Estimate]] = {}
-        for group in compiled.layout.groups:
-            errors = tally.standard_error(group.first, group.size) * compiled.unit_power
-            cells = range(group.first, group.first + group.size)
-            if group.labels:
-                found[group.effect] = {
-                    label: Estimate(
-                        watts(compiled, tally.exact(cell), tally.batches),
-                        float(error) if tally.batches > 1 else None,
-                        int(tally.count[cell]),
-                    )
-                    for label, cell, error in zip(group.labels, cells, errors, strict=True)
-                }
-        return found
+        return effect_tallies(self.compiled, self.tally)
 
     @cached_property
     def far_field(self) -> FarFieldResult | None:

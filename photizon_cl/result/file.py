@@ -22,6 +22,7 @@ import numpy as np
 
 from photizon_cl.atomic import reason
 from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import ResultError, show
 from photizon_cl.result.arrays import dataset
 from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates, RunInfo
@@ -35,12 +36,14 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
+    from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.scene.model import Scene
 
 __all__ = ["read_file", "read_scene", "write_arrays", "write_state"]
 
 _GROUP: Final = "tally"
 _OVERHEAD: Final = 1 << 18  # bytes of a file beside its arrays, rounded up
+_TALLIES: Final = "tallies"  # names of the effects with labelled cells among the file's
 _STATE: Final = ("limbs", "count", "mean", "m2")
 _HISTORY: Final = ("batches", "seconds", "sigma")
 
@@ -118,6 +121,10 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
             ),
         },
     )
+    # only where there are any: files of scenes without are what they always were
+    labelled = result.compiled.layout.labelled
+    if labelled:
+        made.attrs[_TALLIES] = json.dumps([group.effect for group in labelled])
     made.attrs["checksum"] = _checksum(made, to_toml(result.scene))
     return made
 
@@ -197,10 +204,9 @@ def _read(file: Path) -> Estimates:
         # files of the first version have none
         if attrs.get("checksum", "") and attrs["checksum"] != _checksum(group, text):
             raise ValueError("its checksum does not fit")
-    compiled = compile_scene(scene, scene.run)
-    layout = compiled.layout
+    compiled = _compiled(file, scene, set(json.loads(attrs.get(_TALLIES, "[]"))))
     state = AccumulatorState(int(attrs["batches"]), **arrays, digest=bytes.fromhex(attrs["digest"]))
-    tally = Accumulator.of(layout, state)
+    tally = Accumulator.of(compiled.layout, state)
     info = RunInfo(
         device=str(attrs["device"]),
         precision=str(attrs["precision"]),
@@ -217,3 +223,22 @@ def _read(file: Path) -> Estimates:
         ),
     )
     return Estimates(compiled, tally, info)
+
+
+def _compiled(file: Path, scene: Scene, tallied: set[str]) -> CompiledScene:
+    """Return a file's scene with the labelled cells that the file has.
+
+    An effect that came into the table after the file was written has none there.
+    """
+    known = frozenset(effect.name for effect in EFFECTS if effect.name in tallied)
+    compiled = compile_scene(scene, scene.run, known)
+    having = {group.effect for group in compiled.layout.labelled}
+    gone = sorted(tallied - having)
+    if gone:
+        raise ResultError(
+            f"{show(str(file))} has counts of {', '.join(map(show, gone))}, which this version of "
+            "photizon_cl does not know: open it with the version that wrote it, or run the scene "
+            "again"
+        )
+    newer = frozenset(having - tallied)
+    return compile_scene(scene, scene.run, known, newer) if newer else compiled

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import TEMPORARY, reason, replacing
+from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import ResultError, show
 from photizon_cl.result.file import read_file, read_scene, write_arrays
 from photizon_cl.scene.files import to_toml
@@ -39,6 +40,14 @@ ARRAYS: Final = "result.nc"
 """The file that is the result."""
 CHECKPOINT: Final = "checkpoint.nc"
 """The file of a run that is under way, or was killed."""
+
+
+def _tally_file(effect: str) -> str:
+    """Return the file of what an effect counts."""
+    return f"tally-{effect}.csv"
+
+
+_TABLES: Final = ("ledger.csv", "detectors.csv", *(_tally_file(effect.name) for effect in EFFECTS))
 _OURS: Final = frozenset(
     {
         "summary.json",
@@ -47,8 +56,7 @@ _OURS: Final = frozenset(
         CHECKPOINT,
         "figures",
         "recipe.txt",
-        "ledger.csv",
-        "detectors.csv",
+        *_TABLES,
     }
 )
 
@@ -179,7 +187,7 @@ def save(
     formats: str | Sequence[str] = ("png",),
 ) -> None:
     """Write a result, see `photizon_cl.Result.save`."""
-    from photizon_cl.result.csv_tables import detectors_csv, ledger_csv
+    from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, tally_csv
     from photizon_cl.result.recipe import RecipeText
     from photizon_cl.views.figures import FORMATS, figure_names
 
@@ -198,7 +206,7 @@ def save(
         with replacing(folder / ARRAYS) as temporary:
             write_arrays(result, temporary)
             # never beside another run's arrays
-            for name in ("summary.json", "recipe.txt", "ledger.csv", "detectors.csv"):
+            for name in ("summary.json", "recipe.txt", *_TABLES):
                 (folder / name).unlink(missing_ok=True)
         (folder / CHECKPOINT).unlink(missing_ok=True)  # the result holds as much and more
         with replacing(folder / "recipe.txt") as temporary:
@@ -208,6 +216,9 @@ def save(
         if result.detectors:
             with replacing(folder / "detectors.csv") as temporary:
                 temporary.write_text(detectors_csv(result), encoding="utf-8", newline="")
+        for effect, cells in result.tallies.items():
+            with replacing(folder / _tally_file(effect)) as temporary:
+                temporary.write_text(tally_csv(cells), encoding="utf-8", newline="")
         with replacing(folder / "summary.json") as temporary:
             text = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False)
             temporary.write_text(text + "\n", encoding="utf-8")

@@ -155,9 +155,10 @@ class Result(Estimates):
 
         ``summary.json``, ``scene.toml`` (as run), ``result.nc`` (every array with its coordinates
         and units, and the exact tallies that `refine` goes on from), ``ledger.csv`` and
-        ``detectors.csv`` (totals and ladders), ``recipe.txt`` and ``figures/``. Each file is
-        replaced in one step, and the run's checkpoint there goes. A result that is there already
-        is replaced, but for one with more batches of the same run; other files are left alone.
+        ``detectors.csv`` (totals and ladders), ``tally-EFFECT.csv`` for each effect in `tallies`,
+        ``recipe.txt`` and ``figures/``. Each file is replaced in one step, and the run's checkpoint
+        there goes. A result that is there already is replaced, but for one with more batches of the
+        same run; other files are left alone.
 
         Parameters
         ----------

@@ -65,3 +65,13 @@ def build(_building):
     source, pages, log, running = _building
     status = running.wait(timeout=300)
     return Build(source, pages, status, log.read_text("utf-8"))
+
+
+@pytest.fixture
+def checkout(tmp_path):
+    """Return a copy of the packages, for a test that changes them."""
+    folder = tmp_path / "checkout"
+    for name in ("photizon_cl", "hostcode", "kernels", "presets", "docs/_ext"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / name, folder / name, ignore=ignored)
+    return folder

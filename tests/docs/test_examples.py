@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-
 import pytest
 from pages import ROOT, Runner, apply_hunks, matches
 from photizon_docs.tables import GROUPS
@@ -15,16 +13,6 @@ KINDS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]
 @pytest.mark.parametrize("name", WRITTEN)
 def test_page(name, tmp_path):
     Runner(tmp_path).run(ROOT / "docs" / name)
-
-
-@pytest.fixture
-def checkout(tmp_path):
-    """Return a copy of the packages, for a page that changes them."""
-    folder = tmp_path / "checkout"
-    for name in ("photizon_cl", "hostcode", "kernels", "presets", "docs/_ext"):
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / name, folder / name, ignore=ignored)
-    return folder
 
 
 def test_a_surface_and_an_effect_are_added(checkout):

@@ -39,7 +39,7 @@ def test_files_recipes_and_results_keep_it(tmp_path):
     assert again.scene.run.effects == scene.run.effects
     assert again.tally_digest == result.tally_digest
     result.save(tmp_path / "run")
-    assert pz.Result.load(tmp_path / "run").scene.run.effects == scene.run.effects
+    assert pz.open_result(tmp_path / "run").scene.run.effects == scene.run.effects
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from oracles.scenes import beam, wall
 import photizon_cl as pz
 from hostcode.assets import kernels_dir
 from photizon_cl.compile.effects.table import EFFECT_ROWS, EFFECTS
+from photizon_cl.compile.layout import CellGroup
 from photizon_cl.compile.packing import POSITION, SOURCE
 from photizon_cl.geometry.outlines import cut, edges, facets
 from photizon_cl.scene.files import load
@@ -320,3 +321,9 @@ def test_an_effect_says_why_and_leaves_nothing_where_it_is_not_needed(effect):
                 assert f'"kernels/{template}.mako"' not in text
             for field in part.ray:
                 assert f" {field.name};" not in text
+
+
+@pytest.mark.parametrize("labels", [("a",), ("a", "a")])
+def test_no_cell_of_an_effect_has_the_label_of_another(labels):
+    with pytest.raises(ValueError, match="give each cell a label of its own"):
+        CellGroup("bounces", 0, (2,), labels)

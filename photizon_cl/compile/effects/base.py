@@ -55,9 +55,10 @@ class Effect(ABC):
         return ()
 
     def labels(self, scene: Scene) -> tuple[str, ...]:
-        """Return what each of its cells is, which results then show under its name.
+        """Return what each of its cells is, row-major, each different.
 
-        Empty where it brings none, or its results are shown in a way of their own.
+        The cells are then shown under its name wherever results are: summary, files, printed
+        result, report. Empty where it brings none, or they are shown in a way of their own.
         """
         return ()
 

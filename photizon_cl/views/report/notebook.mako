@@ -33,6 +33,9 @@ ${table(ledger)}
 % if detectors:
 ${table(detectors)}
 % endif
+% for tally in tallies:
+${table(tally)}
+% endfor
 % if advisories:
 <div>${advisories}</div>
 % endif

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from photizon_cl.errors import ArgumentError, PhotizonError, show
 from photizon_cl.views.report.numbers import integer, percent
 from photizon_cl.views.report.page import lookup
-from photizon_cl.views.report.tables import detector_table, ledger_table
+from photizon_cl.views.report.tables import detector_table, ledger_table, tally_tables
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,7 +23,7 @@ _MOST_ROWS: Final = 30  # of a table in a notebook
 
 
 def html(result: Estimates) -> str:
-    """Return a header line, the ledger and the detectors as HTML."""
+    """Return a header line, the ledger, the detectors and what effects count as HTML."""
     achieved = result.achieved_sigma
     sigma = "unknown" if achieved is None else percent(achieved)
     verdict = "met" if result.converged else "not met"
@@ -48,6 +48,7 @@ def html(result: Estimates) -> str:
             head=head,
             ledger=ledger_table(result, _MOST_ROWS),
             detectors=detector_table(result, _MOST_ROWS) if result.detectors else None,
+            tallies=tally_tables(result, _MOST_ROWS),
             advisories=f"{n} advisor{'y' if n == 1 else 'ies'}: see .advisories" if n else "",
         )
     )

@@ -40,6 +40,9 @@ ${style}
 % if far_field:
 <li><a href="#far-field">Far field</a></li>
 % endif
+% if tallies:
+<li><a href="#tallies">Counted by effects</a></li>
+% endif
 % if others:
 <li><a href="#more-figures">More figures</a></li>
 % endif
@@ -126,6 +129,15 @@ ${figure(f)}
 </section>
 % endif
 
+% if tallies:
+<section aria-labelledby="tallies">
+<h2 id="tallies">Counted by effects</h2>
+% for tally in tallies:
+${parts.table(tally)}
+% endfor
+</section>
+
+% endif
 % if others:
 <section aria-labelledby="more-figures">
 <h2 id="more-figures">More figures</h2>

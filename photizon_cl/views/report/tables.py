@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.compile.effects.table import EFFECT_ROWS
+from photizon_cl.result.tallies import only_counts, ranked
 from photizon_cl.result.text import lit_percent
 from photizon_cl.views.report.numbers import amount, brief, integer, number, pair, percent, share
 
@@ -33,6 +35,7 @@ __all__ = [
     "ledger_table",
     "map_table",
     "peak",
+    "tally_tables",
 ]
 
 MOST_ROWS: Final = 200
@@ -275,3 +278,28 @@ def far_field_table(far: FarFieldResult, escaped: Estimate) -> Table:
         (("quantity", False), ("value", False)),
         rows,
     )
+
+
+# -- what effects count --------------------------------------------------------------------------
+
+
+def tally_tables(result: Estimates, most: int = MOST_ROWS) -> list[Table]:
+    """Return a table for each effect that counts in labelled cells: its largest rows first."""
+    found = []
+    for n, (effect, cells) in enumerate(result.tallies.items()):
+        counts = only_counts(cells)
+        shown, left = ranked(cells, most)
+        rows = [
+            (label, *(() if counts else pair(cell.value, cell.sigma)), integer(cell.count or 0))
+            for label, cell in shown.items()
+        ]
+        notes = ["" if counts else _sigma_note(result)]
+        if left:
+            rest = "row that is not larger is" if left == 1 else "rows that are not larger are"
+            notes.append(f"{integer(left)} {rest} left out; result.nc has all.")
+        columns = (("label", False), *(() if counts else _POWER[:2]), ("count", True))
+        caption = f"{effect}: {EFFECT_ROWS[effect].what}"
+        found.append(
+            Table(f"table-tally-{n}", caption, columns, rows, " ".join(filter(None, notes)))
+        )
+    return found

@@ -1,0 +1,63 @@
+"""What effects count in cells of their own: a list of labels, each with its power and its count.
+
+No effect is named here: one that labels its cells (`Effect.labels`) is in the summary, the files,
+the printed result and the report. What has no labels, as the far field, is shown in a way of its
+own.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from photizon_cl.result.ledger import Estimate, watts
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.compile.layout import CellGroup
+    from photizon_cl.result.statistics import Accumulator
+
+__all__ = ["effect_tallies", "only_counts", "ranked"]
+
+
+def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> dict[str, dict[str, Estimate]]:
+    """Return the estimates of labelled cells, by effect, then by label in the effect's order.
+
+    Parameters
+    ----------
+    compiled : CompiledScene
+        What the cells mean and are worth.
+    tally : Accumulator
+        At least one batch.
+    """
+    return {g.effect: _cells(compiled, tally, g) for g in compiled.layout.labelled}
+
+
+def _cells(compiled: CompiledScene, tally: Accumulator, group: CellGroup) -> dict[str, Estimate]:
+    errors = tally.standard_error(group.first, group.size) * compiled.unit_power
+    cells = range(group.first, group.first + group.size)
+    return {
+        label: Estimate(
+            watts(compiled, tally.exact(cell), tally.batches),
+            float(error) if tally.batches > 1 else None,
+            int(tally.count[cell]),
+        )
+        for label, cell, error in zip(group.labels, cells, errors, strict=True)
+    }
+
+
+def ranked(cells: Mapping[str, Estimate], most: int) -> tuple[dict[str, Estimate], int]:
+    """Return the `most` largest rows, and how many are left.
+
+    The largest power comes first; where powers are equal, the largest count; then the first.
+    """
+    order = sorted(cells, key=lambda label: (-abs(cells[label].value), -(cells[label].count or 0)))
+    return {label: cells[label] for label in order[:most]}, max(len(order) - most, 0)
+
+
+def only_counts(cells: Mapping[str, Estimate]) -> bool:
+    """Say whether something was counted and none of it has power: an effect that only counts."""
+    return any(cell.count for cell in cells.values()) and not any(
+        cell.value or cell.sigma for cell in cells.values()
+    )
