@@ -121,8 +121,10 @@ def _surfaces(scene: Scene) -> Iterator[str]:
     run = scene.run
     growing = run.roulette_floor == 0.0 and run.generation_cap > _SPLITTING_CAP
     if splitters and reflectors and growing:
+        other = next((name for name in reflectors if name != splitters[0]), None)
+        back = f'and "{other}" can send both back' if other else "and either may meet it again"
         yield (
-            f'every hit on "{splitters[0]}" splits a ray in two and "{reflectors[0]}" can send '
-            f"both back: with a generation cap of {run.generation_cap} and no roulette the number "
+            f'every hit on "{splitters[0]}" splits a ray in two {back}: '
+            f"with a generation cap of {run.generation_cap} and no roulette the number "
             "of children may grow without practical bound; set roulette_floor, for example 1e-6"
         )

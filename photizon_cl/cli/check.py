@@ -82,15 +82,18 @@ def _number(value: object) -> str:
 
 
 def _describe(item: Described) -> str:
-    """Return the parameters of an object on one line, with units where they have one."""
-    from photizon_cl.scene.described import parameters_of
+    """Return the parameters of an object on one line, with units where they have one.
+
+    What is 0 by default, and is 0, is left out: there is no such thing.
+    """
+    from photizon_cl.scene.described import default_of, parameters_of
 
     parts = []
     for name, parameter in parameters_of(type(item)).items():
         value = getattr(item, name)
         if name in ("name", "surface", "detector") or value is None:
             continue
-        if name == "tilt_deg" and value == (0.0, 0.0):
+        if value in (0.0, (0.0, 0.0)) and default_of(type(item), name) == value and item.kind:
             continue
         unit = getattr(parameter, "unit", "")
         parts.append(f"{name} {_number(value)}" + (f" {unit}" if unit else ""))

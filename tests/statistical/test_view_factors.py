@@ -41,6 +41,19 @@ def annulus_to_annulus(a: tuple[float, float], b: tuple[float, float], h: float)
     return total / (math.pi * (a[1] - a[0]) * (a[1] + a[0]))
 
 
+@pytest.mark.parametrize(("r1", "r2", "h"), [(1.0, 1.0, 1.0), (0.5, 1.3, 0.7), (2.0, 0.6, 1.5)])
+def test_the_closed_form_is_the_double_integral(r1: float, r2: float, h: float) -> None:
+    """∬ cos θ₁ cos θ₂ / (π d²) dA₁ dA₂ / A₁, by Gauss's rule in both radii, evenly in azimuth."""
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    a, b = ((nodes + 1.0) / 2.0 * r for r in (r1, r2))
+    phi = 2.0 * math.pi * np.arange(256) / 256.0
+    rho, sigma, angle = np.meshgrid(a, b, phi, indexing="ij")
+    squared = h * h + rho**2 + sigma**2 - 2.0 * rho * sigma * np.cos(angle)
+    inner = (h * h * rho * sigma / (math.pi * squared**2)).mean(axis=2) * 2.0 * math.pi
+    integral = weights @ inner @ weights * (r1 / 2.0) * (r2 / 2.0) * 2.0 * math.pi
+    assert integral / (math.pi * r1 * r1) == pytest.approx(disk_to_disk(r1, r2, h), rel=1e-12)
+
+
 def is_share(count: int, total: int, share: float) -> None:
     """Assert that a count is binomial with a given share: a z-test."""
     z = (count - total * share) / math.sqrt(total * share * (1.0 - share))
