@@ -128,3 +128,9 @@ def with_surface(element: Any, kind: str) -> Any:
         return replace(element, surface=surface(kind), detector=None)
     except SceneError:
         return None
+
+
+@cache
+def followed() -> pz.Paths:
+    """Return the paths of some rays through the scene of everything."""
+    return pz.paths(everything(), rays=2048)
