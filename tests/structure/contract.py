@@ -16,6 +16,7 @@ import photizon_cl as pz
 from hostcode.device.device import preferred_lanes
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import SceneError
+from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 
 if TYPE_CHECKING:
@@ -60,6 +61,13 @@ def traced(name: str, lanes: int, force: frozenset[str] = frozenset()) -> Traced
     scene = everything() if name == "everything" else shown(*name.split("-", 1))
     made = compiled(scene, force, rays_per_batch=2048 if name == "everything" else 256)
     return trace_compiled(made, plan=PLAN.with_(lanes=lanes, refill=max(lanes // 4, 1)))
+
+
+def turned(kind: str) -> Any:
+    """Return a kind's element off the axes, with a hole where it can have one."""
+    element = of_kind(shown("element", kind), "element", kind)
+    hole = {"inner_radius": 0.02} if "inner_radius" in parameters_of(type(element)) else {}
+    return replace(element, position=(0.1, -0.2, 0.3), tilt_deg=(20.0, 30.0), **hole)
 
 
 # -- all at once -----------------------------------------------------------------------------------
@@ -123,7 +131,7 @@ def surface(kind: str) -> Any:
 
 
 def with_surface(element: Any, kind: str) -> Any:
-    """Return an element with another surface and no detector, or None where it takes no such one."""
+    """Return an element with another surface and no detector; None where it takes none such."""
     try:
         return replace(element, surface=surface(kind), detector=None)
     except SceneError:

@@ -14,7 +14,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contract import GROUPS, ROWS, every_kind, everything, of_kind, shown, surface, traced, wide
+from contract import (
+    GROUPS,
+    ROWS,
+    every_kind,
+    everything,
+    of_kind,
+    shown,
+    surface,
+    traced,
+    turned,
+    wide,
+)
 from oracles.engine import PLAN, compiled, scene_of, trace
 from oracles.scenes import beam, wall
 from photizon_docs.parts import page
@@ -72,10 +83,16 @@ def words(text: str) -> set[str]:
 
 @cache
 def rendered() -> tuple[str, ...]:
-    """Return the programs of the pages, and of scenes that need every branch, as the device's."""
+    """Return the programs of the pages, with and without contact, and of all at once."""
     pages = [compiled(shown(*row)) for row in ROWS]
-    turned = [compiled(shown(*row), frozenset({"contact"})) for row in ROWS if row[0] == "element"]
-    specs = {made.tables.spec for made in (*pages, *turned, compiled(everything()))}
+    touching = [
+        compiled(shown(*row), frozenset({"contact"})) for row in ROWS if row[0] == "element"
+    ]
+    # without divergence a program has no text for it
+    beam = pz.CollimatedDisk(name="s", flux=1.0, position=(0.0, 0.0, 0.0), axis="+z", radius=0.1,
+                             divergence_deg=5.0)  # fmt: skip
+    more = (compiled(pz.Scene(name="beam", source=(beam,))), compiled(everything()))
+    specs = {made.tables.spec for made in (*pages, *touching, *more)}
     return tuple(program_source(spec.for_device(1, ("wave",))) for spec in specs)
 
 
@@ -173,7 +190,7 @@ def test_a_figure_has_every_kind_and_the_rays(tmp_path):
 
 @pytest.mark.parametrize("kind", ELEMENTS)
 def test_an_element_can_be_drawn_and_holds_what_hits_it(kind):
-    element = of_kind(shown("element", kind), "element", kind)
+    element = turned(kind)
     assert edges(element)
     assert facets(element)
     assert any(

@@ -1,10 +1,10 @@
 """What the rows of the registry must hold on average: areas, densities, reciprocity.
 
-The gates are one family: the chance that any of them fails with a right engine is at most
-`FALSE_ALARM` for the whole file, shared among them by Šidák's formula (`LEVEL` each). Limits are the
-exact quantiles of the law that each has: the normal one for means of many bounded numbers, Student's
-for differences between batches, the exact binomial one for counts. Seeds are fixed, nothing is run
-again.
+The gates are one family: with a right engine the chance that any of them fails is `FALSE_ALARM`
+for the whole file, shared among them by Šidák's formula (`LEVEL` each). Limits are exact quantiles
+of the law that each has: the normal one for means of thousands of bounded numbers, Student's for
+differences between batches. Seeds are fixed, nothing is run again. No gate rests on few counts:
+each says how many it has at least.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contract import of_kind, shown, surface
+from contract import of_kind, surface, turned
 from oracles.engine import PLAN, compiled, open_device, scene_of, trace
 from oracles.scenes import wall
 from oracles.statistics import batch_values, sidak, z_limit
@@ -24,7 +24,6 @@ from photizon_docs.examples import guess
 
 import photizon_cl as pz
 from hostcode.run.probe import LEFT_PLUS, NO_FACE, element_of, probe_faces
-from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 
 FALSE_ALARM = 1e-6
@@ -69,7 +68,7 @@ def crossings(scene: pz.Scene, starts: np.ndarray, along: np.ndarray) -> np.ndar
     return count
 
 
-def has_area(element: Any, area: float, lines: int = 1 << 17) -> None:
+def has_area(element: Any, area: float, lines: int = 1 << 18) -> None:
     """Assert an area of one side by the lines that cross it (Cauchy and Crofton).
 
     Of lines of one direction d, spread evenly over a disc of radius R across d, a surface within
@@ -93,13 +92,6 @@ def has_area(element: Any, area: float, lines: int = 1 << 17) -> None:
     has_mean(count * (2.0 * math.pi * radius**2 / area), 1.0)
 
 
-def turned(kind: str) -> Any:
-    """Return a kind's element off the axes, with a hole where it can have one."""
-    element = of_kind(shown("element", kind), "element", kind)
-    hole = {"inner_radius": 0.02} if "inner_radius" in parameters_of(type(element)) else {}
-    return replace(element, position=(0.1, -0.2, 0.3), tilt_deg=(20.0, 30.0), **hole)
-
-
 @pytest.mark.parametrize("kind", ELEMENTS)
 def test_the_area_of_an_element_is_what_lines_cross(kind):
     element = turned(kind)
@@ -108,7 +100,7 @@ def test_the_area_of_an_element_is_what_lines_cross(kind):
 
 def test_a_wrong_area_is_caught():
     element = turned("sphere")
-    for wrong in (0.96, 1.04):
+    for wrong in (0.98, 1.02):
         with pytest.raises(AssertionError):
             has_area(element, wrong * element.area)
 
@@ -135,9 +127,9 @@ def launched() -> tuple[pz.Scene, np.ndarray, np.ndarray]:
     for n, cls in enumerate(SOURCES.values()):
         values = {**guess(cls), "name": f"{n}", "flux": 1.0, "position": (float(n), 0.2, 0.3)}
         turn = {"axis": "-y", "tilt_deg": (20.0, 30.0)} if cls.directed else {}
-        sources.append(cls(**values, **turn) if not turn else cls(**{**values, **turn}))
+        sources.append(cls(**(values | turn)))
     scene = pz.Scene(name="sources", source=tuple(sources))
-    found = pz.paths(scene, rays=8192 * len(sources))
+    found = pz.paths(scene, rays=4096 * len(sources))
     along = found.end - found.start
     return scene, found.start, along / np.linalg.norm(along, axis=1)[:, None]
 
@@ -148,7 +140,7 @@ def test_a_source_has_the_moments_of_its_density(kind, launched):
     scene, starts, along = launched
     source = of_kind(scene, "source", kind)
     own = np.rint(starts[:, 0]) == source.position[0]
-    assert own.sum() == 8192
+    assert own.sum() == 4096
     size = source.reach or 1.0
     rounding = 64.0 * UNIT_ROUNDOFF * max(map(abs, source.position)) / size
     du, dv, mu = (along[own] @ np.array(axis) for axis in source.frame)
@@ -185,13 +177,13 @@ def received(surface: Any, here: Any, there: Any) -> np.ndarray:
     board = replace(scene.element[0], surface=surface)
     scene = replace(scene, element=(board, scene.element[1]))
     plan = PLAN.with_(lanes=1)
-    found = trace(scene, batches=64, rays_per_batch=2048, plan=plan)
+    found = trace(scene, batches=64, rays_per_batch=1 << 14, plan=plan)
     return batch_values(found)[:, found.compiled.layout.detectors[0].power]
 
 
 def reciprocal(there: np.ndarray, back: np.ndarray) -> None:
     """Assert that two ways bring the same, by Student's t of the batches' differences."""
-    assert there.mean() > 0.0
+    assert min(there.sum(), back.sum()) > 0.0
     off = there - back
     t = float(off.mean() / (off.std(ddof=1) / math.sqrt(len(off))))
     assert abs(t) < z_limit(LEVEL, len(off) - 1), f"t = {t}"
