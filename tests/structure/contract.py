@@ -17,6 +17,8 @@ from hostcode.device.device import preferred_lanes
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import SceneError
 from photizon_cl.scene.described import parameters_of
+from photizon_cl.scene.files import load
+from photizon_cl.scene.presets import preset_names
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 
 if TYPE_CHECKING:
@@ -55,11 +57,17 @@ def wide() -> int:
     return width if width > 1 else 8
 
 
+def named(name: str) -> pz.Scene:
+    """Return `everything`, a preset, or what the page of a ``group-kind`` shows."""
+    if name == "everything":
+        return everything()
+    return load(name) if name in preset_names() else shown(*name.split("-", 1))
+
+
 @cache
 def traced(name: str, lanes: int, force: frozenset[str] = frozenset()) -> Traced:
-    """Trace a scene once: `everything`, or the page of a ``group-kind``."""
-    scene = everything() if name == "everything" else shown(*name.split("-", 1))
-    made = compiled(scene, force, rays_per_batch=2048 if name == "everything" else 256)
+    """Trace a scene by name once."""
+    made = compiled(named(name), force, rays_per_batch=2048 if name == "everything" else 256)
     return trace_compiled(made, plan=PLAN.with_(lanes=lanes, refill=max(lanes // 4, 1)))
 
 

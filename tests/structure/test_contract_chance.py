@@ -129,7 +129,7 @@ def launched() -> tuple[pz.Scene, np.ndarray, np.ndarray]:
         turn = {"axis": "-y", "tilt_deg": (20.0, 30.0)} if cls.directed else {}
         sources.append(cls(**(values | turn)))
     scene = pz.Scene(name="sources", source=tuple(sources))
-    found = pz.paths(scene, rays=4096 * len(sources))
+    found = pz.paths(scene, rays=8192 * len(sources))
     along = found.end - found.start
     return scene, found.start, along / np.linalg.norm(along, axis=1)[:, None]
 
@@ -140,7 +140,7 @@ def test_a_source_has_the_moments_of_its_density(kind, launched):
     scene, starts, along = launched
     source = of_kind(scene, "source", kind)
     own = np.rint(starts[:, 0]) == source.position[0]
-    assert own.sum() == 4096
+    assert own.sum() == 8192
     size = source.reach or 1.0
     rounding = 64.0 * UNIT_ROUNDOFF * max(map(abs, source.position)) / size
     du, dv, mu = (along[own] @ np.array(axis) for axis in source.frame)

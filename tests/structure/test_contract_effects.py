@@ -1,7 +1,7 @@
 """What every effect, filter and kind must hold: neither lanes nor what is compiled in change a bit.
 
 Effects are forced on, one after another and all at once, over a scene of every kind, and over two
-pages that need next to none of them.
+that need next to none of them.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from contract import (
     every_kind,
     everything,
     followed,
+    named,
     of_kind,
-    shown,
     traced,
     wide,
 )
@@ -31,8 +31,8 @@ from photizon_cl.scene.files import load
 from photizon_cl.scene.registry import FILTERS
 
 ASKED = "it was asked for"
-PAGES = ("element-cone", "surface-mirror")
-"""A curved wall and a detector; flat ones, a map, no tilt but one."""
+PLAIN = ("box-room", "element-sphere")
+"""Scenes that need few effects and bounce often: flat walls with edges, and a ball with a port."""
 
 
 # -- lanes -----------------------------------------------------------------------------------------
@@ -68,10 +68,10 @@ def test_each_kind_has_its_part_in_that_scene(group, kind):
 
 @every_effect
 def test_lanes_change_no_bit_of_an_effect(effect):
-    """Those that the scene of everything does without are forced on, on a page."""
+    """Those that the scene of everything does without are forced on, on a plain scene."""
     plain, name, force = traced("everything", 1), "everything", frozenset()
     if effect.name not in plain.compiled.effects:
-        name, force = PAGES[0], ALL_EFFECTS
+        name, force = PLAIN[0], ALL_EFFECTS
     narrow, broad = traced(name, 1, force), traced(name, wide(), force)
     assert effect.name in narrow.compiled.effects
     assert narrow.digest == broad.digest == traced(name, 1).digest
@@ -121,23 +121,23 @@ def forced_on(name, force):
     return asked
 
 
-@pytest.mark.parametrize("name", ["everything", PAGES[0]])
+@pytest.mark.parametrize("name", ["everything", PLAIN[0]])
 @every_effect
 def test_an_effect_that_is_forced_on_changes_no_bit(effect, name):
     forced_on(name, frozenset({effect.name}))
 
 
-@pytest.mark.parametrize("name", ["everything", *PAGES])
+@pytest.mark.parametrize("name", ["everything", *PLAIN])
 def test_all_effects_that_are_forced_on_change_no_bit(name):
     assert forced_on(name, ALL_EFFECTS)
 
 
 def test_every_effect_is_on_somewhere_and_forced_where_it_can_be():
-    scenes = [shown(*page.split("-", 1)) for page in PAGES]
+    scenes = [named(name) for name in PLAIN]
     could = {
         e.name for e in EFFECTS for s in scenes if e.needed(s, s.run) is None and e.possible(s)
     }
-    asked = {effect for page in PAGES for effect in forced_on(page, ALL_EFFECTS)}
+    asked = {effect for name in PLAIN for effect in forced_on(name, ALL_EFFECTS)}
     assert asked == could
     assert asked | traced("everything", 1).compiled.effects >= ALL_EFFECTS
 
