@@ -178,6 +178,7 @@ def received(surface: Any, here: Any, there: Any) -> np.ndarray:
     scene = replace(scene, element=(board, scene.element[1]))
     plan = PLAN.with_(lanes=1)
     found = trace(scene, batches=64, rays_per_batch=1 << 14, plan=plan)
+    assert found.detector("element 1").count > 1000
     return batch_values(found)[:, found.compiled.layout.detectors[0].power]
 
 
