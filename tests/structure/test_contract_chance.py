@@ -30,6 +30,7 @@ FALSE_ALARM = 1e-6
 UNIT_ROUNDOFF = 2.0**-53
 REFLECTORS = [kind for kind, cls in SURFACES.items() if cls.reflects]
 MOMENTS_EACH = 7
+RAYS = 1 << 15
 GATES = len(ELEMENTS) + MOMENTS_EACH * len(SOURCES) + len(REFLECTORS)
 LEVEL = sidak(FALSE_ALARM, GATES)
 Z = -NormalDist().inv_cdf(LEVEL / 2.0)
@@ -129,7 +130,7 @@ def launched() -> tuple[pz.Scene, np.ndarray, np.ndarray]:
         turn = {"axis": "-y", "tilt_deg": (20.0, 30.0)} if cls.directed else {}
         sources.append(cls(**(values | turn)))
     scene = pz.Scene(name="sources", source=tuple(sources))
-    found = pz.paths(scene, rays=8192 * len(sources))
+    found = pz.paths(scene, rays=RAYS * len(sources), max_segments=1)
     along = found.end - found.start
     return scene, found.start, along / np.linalg.norm(along, axis=1)[:, None]
 
@@ -140,7 +141,7 @@ def test_a_source_has_the_moments_of_its_density(kind, launched):
     scene, starts, along = launched
     source = of_kind(scene, "source", kind)
     own = np.rint(starts[:, 0]) == source.position[0]
-    assert own.sum() == 8192
+    assert own.sum() == RAYS
     size = source.reach or 1.0
     rounding = 64.0 * UNIT_ROUNDOFF * max(map(abs, source.position)) / size
     du, dv, mu = (along[own] @ np.array(axis) for axis in source.frame)
