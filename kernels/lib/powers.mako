@@ -1,12 +1,13 @@
 // Logarithm, exponential and power from operations that IEEE 754 fixes: the same bits on every device.
 // A kind that needs them names this file among its `libraries`.
 //
-//   natural_log(x)    0 <= x: finite or infinite; -infinity at 0
-//   exponential(x)    any x
-//   power(x, y)       x^y for 0 <= x and finite y; 1 where y = 0, also at x = 0
+//   natural_log(x)    -infinity at 0; NaN for x < 0
+//   exponential(x)    0 and infinity beyond the range
+//   power(x, y)       x^y for 0 <= x; 1 where y = 0; NaN for x < 0 or an infinite y
 //
+// What is not a number stays none, so that a slip below 0 is not taken for a weight.
 // All are taken in double-double and rounded once: the logarithm below 0.51 ulp of a double, the exponential
-// below 0.6, the power below 1 (its error grows with |y log x|).
+// below 0.6, the power below 1 (its error grows with |y log x|); subnormal results below one more.
 // Where `real` is float they are the double's value rounded again.
 //
 // log: x = 2^k m, sqrt(1/2) <= m < sqrt(2), s = (m - 1)/(m + 1), log m = 2 (s + s^3/3 + s^5/5 + ...), the
@@ -71,7 +72,7 @@ FN wide twofold_exp(wide x, wide x_lo) {
 % endfor
     const wide one = r + 1.0, one_lo = (1.0 - one) + r;
     const wide e = one + (one_lo + fma(r * r, series, fma(r_lo, r, r_lo)));
-    // 2^n in two factors: a subnormal result is rounded once, by the last product
+    // 2^n in two factors, so that neither is out of range
     const lint k = AS_LINT(shifted) - as_long(WIDE_TO_INTEGER), low = k >> 1;
     return e * AS_WIDE((low + 1023L) << 52) * AS_WIDE((k - low + 1023L) << 52);
 }
@@ -79,12 +80,14 @@ FN wide twofold_exp(wide x, wide x_lo) {
 FN real natural_log(real x) {
     const wide w = TO_WIDE(x);
     const twofold_t log = twofold_log(w);
-    const wide end = SELI(IEQ(w, WIDE(0.0)), WIDE(-INFINITY), w);
+    // 0, infinity, and what has no logarithm
+    const wide end = SELI(IEQ(w, WIDE(0.0)), WIDE(-INFINITY), SELI(IGT(w, WIDE(0.0)), w, WIDE(NAN)));
     return TO_REAL(SELI(IGT(w, WIDE(0.0)) & ILT(w, WIDE(INFINITY)), log.hi, end));
 }
 
 FN real exponential(real x) {
-    return TO_REAL(twofold_exp(TO_WIDE(x), WIDE(0.0)));
+    const wide w = TO_WIDE(x);
+    return TO_REAL(SELI(IEQ(w, w), twofold_exp(w, WIDE(0.0)), w));
 }
 
 FN real power(real x, real y) {
@@ -92,7 +95,9 @@ FN real power(real x, real y) {
     const twofold_t log = twofold_log(w);
     const wide p = v * log.hi;
     const wide result = twofold_exp(p, fma(v, log.hi, -p) + v * log.lo);
+    // 0 and infinity to a power
     const wide end = SELI(IGT(v, WIDE(0.0)) ^ IGT(w, WIDE(0.0)), WIDE(0.0), WIDE(INFINITY));
     const wide ends = SELI(IEQ(v, WIDE(0.0)), WIDE(1.0), end);
-    return TO_REAL(SELI(IGT(w, WIDE(0.0)) & ILT(w, WIDE(INFINITY)), result, ends));
+    const mask known = IGE(w, WIDE(0.0)) & ILT(fabs(v), WIDE(INFINITY));
+    return TO_REAL(SELI(known, SELI(IGT(w, WIDE(0.0)) & ILT(w, WIDE(INFINITY)), result, ends), WIDE(NAN)));
 }

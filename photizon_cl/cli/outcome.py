@@ -115,6 +115,8 @@ def _print_ledger(result: Result, out: Console) -> None:
         add("roulette boosted", roulette.boosted)
         add("roulette balance", roulette.balance)
     add("depth-capped", ledger.depth_capped)
+    for title, row in ledger.others.items():
+        add(title, row)
     rows.add_row("closure", f"{ledger.closure:.1e}" if ledger.closure else "0", "", "")
     print_table(rows, out)
 

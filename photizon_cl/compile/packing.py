@@ -42,8 +42,8 @@ _FRAME: Final = 9
 # -- strides -------------------------------------------------------------------------------------
 
 
-def _rows(things: Any) -> dict[str, Row]:
-    return {thing.row.name: thing.row for thing in things}
+def _rows(things: Any) -> list[Row]:
+    return list(dict.fromkeys(thing.row for thing in things))
 
 
 def strides(scene: Scene) -> Strides:
@@ -63,12 +63,19 @@ def strides(scene: Scene) -> Strides:
 def columns(scene: Scene) -> tuple[tuple[str, int], ...]:
     """Return the kernels' names of the columns in use, and their places in a row."""
     found = {**POSITION.constants(0), **SOURCE.constants(0)}
-    for row in _rows(scene.element).values():
-        found.update(row.constants(len(POSITION)))
-    for row in _rows(e.surface for e in scene.element).values():
-        found.update(row.constants(0))
-    for row in _rows(scene.source).values():
-        found.update(row.constants(len(SOURCE)))
+    groups = (
+        (scene.element, len(POSITION)),
+        ([e.surface for e in scene.element], 0),
+        (scene.source, len(SOURCE)),
+    )
+    for things, first in groups:
+        for row in _rows(things):
+            for name, place in row.constants(first).items():
+                if found.setdefault(name, place) != place:
+                    raise ValueError(
+                        f"two rows have a column {name}, in two places: give each class's Row a "
+                        "prefix of its own"
+                    )
     return tuple(sorted(found.items()))
 
 

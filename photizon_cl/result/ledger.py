@@ -5,11 +5,12 @@ Balances are taken in exact integers, batch by batch, and turned into watts at t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.run.tally import UNIT_EXPONENT, exact
+from photizon_cl.compile.layout import ROWS
 from photizon_cl.errors import RunError
 from photizon_cl.result.statistics import exact_sum
 
@@ -94,10 +95,12 @@ class Ledger:
     depth_capped : Estimate
         Power still under way at the generation cap.
     closure : float
-        emitted − absorbed − escaped − balance − depth_capped, in watts, exact until the one
-        rounding to a float.
+        emitted − absorbed − escaped − balance − depth_capped − others, in watts, exact until the
+        one rounding to a float.
     worst_closure : float
         The batches' largest |closure|, in watts.
+    others : mapping of str to Estimate
+        Rows that effects of the scene bring, by title; negative where weight was added.
     """
 
     emitted: Estimate
@@ -107,6 +110,7 @@ class Ledger:
     depth_capped: Estimate
     closure: float
     worst_closure: float
+    others: Mapping[str, Estimate] = field(default_factory=dict)
 
     @classmethod
     def of(cls, compiled: CompiledScene, tally: Accumulator, worst: int) -> Ledger:
@@ -147,11 +151,17 @@ class Ledger:
             depth_capped=row(totals[layout.depth_capped], layout.depth_capped),
             closure=watts(compiled, emitted - accounted, tally.batches),
             worst_closure=watts(compiled, worst, 1),
+            others={
+                item.title: row(item.sign * totals[cell], cell)
+                for cell, item in enumerate(layout.rows, n)
+                if item not in ROWS
+            },
         )
 
     def summary(self) -> dict[str, Any]:
         """Return the ledger as the summary holds it."""
         roulette = self.roulette
+        others = {title: row.summary() for title, row in self.others.items()}
         return {
             "emitted": self.emitted.summary(),
             "absorbed": {name: row.summary() for name, row in self.absorbed.items()},
@@ -163,6 +173,7 @@ class Ledger:
             },
             "depth_capped": self.depth_capped.summary(),
             "closure": self.closure,
+            **({"others": others} if others else {}),
         }
 
     def labelled_rows(self) -> list[tuple[str, Estimate]]:
@@ -175,6 +186,7 @@ class Ledger:
             ("roulette boosted", self.roulette.boosted),
             ("roulette balance", self.roulette.balance),
             ("depth-capped", self.depth_capped),
+            *self.others.items(),
         ]
 
     def rows(self) -> list[tuple[str, Estimate]]:
@@ -183,7 +195,7 @@ class Ledger:
         rows.append(("escaped", self.escaped))
         rows.append(("roulette balance", self.roulette.balance))
         rows.append(("depth-capped", self.depth_capped))
-        return rows
+        return rows + list(self.others.items())
 
 
 def watts(compiled: CompiledScene, total: int, batches: int) -> float:

@@ -50,7 +50,12 @@ _D = TypeVar("_D", bound=Described)
 
 
 def _by_kind(*classes: type[_D]) -> dict[str, type[_D]]:
-    return {cls.kind: cls for cls in classes}
+    found = {cls.kind: cls for cls in classes}
+    if len(found) != len(classes):
+        kinds = [cls.kind for cls in classes]
+        twice = sorted({kind for kind in kinds if kinds.count(kind) > 1})
+        raise ValueError(f"two classes of the kind {', '.join(twice)}: give each a name of its own")
+    return found
 
 
 ELEMENTS: Final[dict[str, type[_Element]]] = _by_kind(

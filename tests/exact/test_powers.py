@@ -35,19 +35,25 @@ def hard_arguments(n=1 << 13):
     x[: n // 2] = r.random(n // 2)
     x[: n // 8] = np.abs(1.0 + r.normal(size=n // 8) * 10.0 ** r.uniform(-16.0, -1.0, n // 8))
     log = np.log(x)
-    y = r.uniform(-707.0, 709.0, n) / np.where(log == 0.0, 1.0, log)
+    y = r.uniform(-744.0, 709.0, n) / np.where(log == 0.0, 1.0, log)
     y[: n // 4] = r.uniform(-700.0, 700.0, n // 4)
     y[-n // 8 :] = r.normal(size=n // 8) * 10.0 ** r.uniform(-20.0, 2.0, n // 8)
     return x, y
 
 
 def worst_ulps(found, exact):
-    """Return the largest error in ulps of normal results that do not overflow."""
+    """Return the largest error in ulps of results that do not overflow or vanish.
+
+    One ulp more is allowed to subnormal ones, which are rounded twice.
+    """
     worst, used = 0.0, 0
     for got, want in zip(found.tolist(), exact, strict=True):
-        if not mpmath.mpf(2) ** -1022 <= abs(want) < mpmath.mpf(2) ** 1024:
+        if not mpmath.mpf(2) ** -1074 <= abs(want) < mpmath.mpf(2) ** 1024:
             continue
         used += 1
+        if abs(want) < mpmath.mpf(2) ** -1022:
+            assert abs(got - want) < mpmath.mpf(2) ** -1073
+            continue
         worst = max(worst, float(abs(got - want) / math.ulp(float(want))))
     assert used > len(found) // 2
     return worst
@@ -71,6 +77,16 @@ def test_the_bits_are_the_same_at_every_width(lanes):
     x, y = hard_arguments()
     for narrow, wide in zip(device(x, y), device(x, y, lanes), strict=True):
         assert narrow.tobytes() == wide.tobytes()
+
+
+def test_what_is_no_number_stays_none():
+    nan, inf = math.nan, math.inf
+    x = np.array([-1.0, -1e-17, -inf, nan, nan, 2.0, 0.0, 0.5])
+    y = np.array([0.5, 2.0, 3.0, 0.0, 2.0, nan, nan, inf])
+    log, exponential, power = device(x, y)
+    assert np.isnan(log[:5]).all()
+    assert np.isnan(power).all()
+    assert np.isnan(exponential[5:7]).all()
 
 
 def test_ends_and_exact_results():

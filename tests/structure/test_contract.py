@@ -1,67 +1,44 @@
 """What every row of the registry must hold: a new kind is covered by being there.
 
-The scenes are those of the kinds' own pages. Random gates have fixed seeds, false alarms
-of at most one in 1.7 million each (5 σ) and no reruns.
+The scenes are those of the kinds' own pages, and one that has every kind at once. Beside this file
+stand the contracts of effects, filters and lanes, of files, and of what is drawn at random.
 """
 
 from __future__ import annotations
 
-import math
-import sys
+import re
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from oracles.engine import PLAN, compiled, scene_of, trace, trace_compiled
+from contract import (
+    GROUPS,
+    ROWS,
+    every_kind,
+    everything,
+    of_kind,
+    shown,
+    surface,
+    traced,
+    turned,
+    wide,
+)
+from oracles.engine import PLAN, compiled, scene_of, trace
 from oracles.scenes import beam, wall
+from photizon_docs.parts import page
 
 import photizon_cl as pz
 from hostcode.assets import kernels_dir
+from hostcode.program.source import program_source
 from photizon_cl.compile.effects.table import EFFECT_ROWS, EFFECTS
-from photizon_cl.compile.layout import CellGroup
 from photizon_cl.compile.packing import POSITION, SOURCE
 from photizon_cl.geometry.outlines import cut, edges, facets
-from photizon_cl.scene.files import load
-from photizon_cl.scene.registry import DETECTORS, ELEMENTS, FILTERS, SOURCES, SURFACES
+from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SURFACES
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "docs" / "_ext"))
-
-from photizon_docs.emit import as_toml  # noqa: E402
-from photizon_docs.examples import example, guess  # noqa: E402
-from photizon_docs.parts import page  # noqa: E402
-
-GROUPS = {"element": ELEMENTS, "surface": SURFACES, "source": SOURCES}
-ROWS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]
-every_kind = pytest.mark.parametrize(("group", "kind"), ROWS, ids=[f"{g}-{k}" for g, k in ROWS])
-
-
-@cache
-def shown(group: str, kind: str) -> pz.Scene:
-    return example(group, kind, GROUPS[group][kind])
-
-
-def of_kind(scene: pz.Scene, group: str, kind: str) -> Any:
-    things = {
-        "element": scene.element, "source": scene.source,
-        "surface": [e.surface for e in scene.element],
-    }[group]  # fmt: skip
-    return next(thing for thing in things if thing.kind == kind)
-
-
-@every_kind
-def test_lanes_change_no_bit_and_the_ledger_closes(group, kind):
-    made = compiled(shown(group, kind), rays_per_batch=256)
-    wide = trace_compiled(made, plan=PLAN.with_(lanes=16, refill=4))
-    narrow = trace_compiled(made, plan=PLAN.with_(lanes=1))
-    assert wide.digest == narrow.digest
-    assert wide.interactions == narrow.interactions
-    assert max(map(abs, wide.closures())) <= Fraction(1, 10**15)
-    assert wide.interactions > 0 or kind == "clear"  # which makes none
+UNIT_ROUNDOFF = 2.0**-53
 
 
 @every_kind
@@ -92,30 +69,83 @@ def test_rows_stand_in_the_tables_under_their_names(group, kind):
     assert got == thing.row.pack(packed)
 
 
+# -- columns and kernels ---------------------------------------------------------------------------
+
+_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*|^[ \t]*##[^\n]*|<%doc>.*?</%doc>", re.S | re.M)
+_CONSTANT = re.compile(r"\b[A-Z][A-Z0-9]*(?:_[A-Z0-9]+)+\b")
+_DEFINED = re.compile(r"^[ \t]*#define[ \t]+(\w+)", re.M)
+
+
+def words(text: str) -> set[str]:
+    """Return the whole identifiers in capitals that a text uses, comments and definitions aside."""
+    return set(_CONSTANT.findall(_DEFINED.sub("", _COMMENT.sub("", text))))
+
+
+@cache
+def rendered() -> tuple[str, ...]:
+    """Return the programs of the pages, with and without contact, and of all at once."""
+    pages = [compiled(shown(*row)) for row in ROWS]
+    touching = [
+        compiled(shown(*row), frozenset({"contact"})) for row in ROWS if row[0] == "element"
+    ]
+    # without divergence a program has no text for it
+    beam = pz.CollimatedDisk(name="s", flux=1.0, position=(0.0, 0.0, 0.0), axis="+z", radius=0.1,
+                             divergence_deg=5.0)  # fmt: skip
+    more = (compiled(pz.Scene(name="beam", source=(beam,))), compiled(everything()))
+    specs = {made.tables.spec for made in (*pages, *touching, *more)}
+    return tuple(program_source(spec.for_device(1, ("wave",))) for spec in specs)
+
+
+def declared() -> dict[str, str]:
+    """Return every declared column's constant, and the row that it is of."""
+    rows = [POSITION, SOURCE, *(cls.row for kinds in GROUPS.values() for cls in kinds.values())]
+    return {name: name.removesuffix(f"_{c.name.upper()}") for row in rows
+            for name, c in zip(row.constants(0), row.columns, strict=True)}  # fmt: skip
+
+
+def strangers(text: str) -> set[str]:
+    """Return what looks like a column of a declared row, and is none nor defined in the text."""
+    prefixes = tuple(f"{row}_" for row in {*declared().values()})
+    known = declared().keys() | set(_DEFINED.findall(_COMMENT.sub("", text)))
+    return {word for word in words(text) if word.startswith(prefixes)} - known
+
+
 @every_kind
 def test_every_declared_column_is_read_by_a_kernel(group, kind):
-    cls = GROUPS[group][kind]
-    text = "".join(p.read_text(encoding="utf-8") for p in kernels_dir().rglob("*.mako"))
-    # the edges of flat faces are named by their letter in a loop
-    text += "".join(
-        f"FLAT_{w}_{e}" for w in ("OUTER", "INNER", "OUTER_MINUS", "INNER_MINUS") for e in "UV"
-    )
-    assert not [name for name in cls.row.constants(0) if name not in text]
+    used = set().union(*map(words, rendered()))
+    assert not [name for name in GROUPS[group][kind].row.constants(0) if name not in used]
+
+
+def test_a_kernel_reads_no_column_that_no_class_declares():
+    """In the templates themselves, whose branches no scene need have, and in what they become."""
+    # the ledger's rows are defined in a loop
+    ledger = {f"ROW_{name.upper()}" for name in compiled(everything()).tables.spec.ledger}
+    templates = "\n".join(p.read_text(encoding="utf-8") for p in kernels_dir().rglob("*.mako"))
+    assert not strangers(templates) - ledger
+    for text in rendered():
+        assert not strangers(text)
+
+
+def test_a_column_in_a_comment_or_a_longer_name_is_not_read():
+    text = "// MIRROR_REFLECTANCE\n## CONE_FOOT\n/* CPC_B\n */ x = row[SPHERE_RIMS];"
+    assert words(text) == {"SPHERE_RIMS"}
+    assert strangers(text) == {"SPHERE_RIMS"}
+
+
+# -- documentation, drawings -----------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def some_result() -> pz.Result:
+    """What pages print numbers of; what those of each page are is shown by tests/docs."""
+    return pz.trace(shown("element", "rectangle"), batches=2, rays_per_batch=64)
 
 
 @every_kind
-def test_files_give_back_what_they_hold(group, kind, tmp_path):
-    scene = shown(group, kind)
-    assert load(scene.to_dict()) == scene
-    (tmp_path / "scene.toml").write_text(as_toml(scene), encoding="utf-8")
-    again = load(tmp_path / "scene.toml")
-    assert of_kind(again, group, kind) == of_kind(scene, group, kind)
-
-
-@every_kind
-def test_it_is_documented_listed_and_priced(group, kind, capsys):
+def test_it_is_documented_listed_and_priced(group, kind, capsys, monkeypatch, some_result):
     from photizon_cl.cli.main import main
 
+    monkeypatch.setattr(pz, "trace", lambda *_, **__: some_result)
     cls = GROUPS[group][kind]
     text, _ = page(group, kind, cls)
     assert text.startswith(f"# {kind}\n")
@@ -128,9 +158,39 @@ def test_it_is_documented_listed_and_priced(group, kind, capsys):
     assert row.costs
 
 
+def test_detectors_have_a_page(monkeypatch, some_result):
+    monkeypatch.setattr(pz, "trace", lambda *_, **__: some_result)
+    for kind, cls in DETECTORS.items():
+        assert page("detector", kind, cls)[0].startswith(f"# {kind}\n")
+
+
+def test_effects_are_told(capsys):
+    from photizon_cl.cli.main import main
+
+    for effect in EFFECTS:
+        assert main(["kinds", effect.name]) == 0
+        assert effect.what.split()[0] in capsys.readouterr().out
+
+
+def test_a_figure_has_every_kind_and_the_rays(tmp_path):
+    from photizon_cl.views.drawing.plot import draw_scene
+
+    found = pz.paths(everything(), rays=24)
+    assert set(found.scene.source) == set(everything().source)
+    figure = draw_scene(found)
+    with (tmp_path / "all.svg").open("wb") as file:
+        figure.savefig(file, format="svg")
+    assert (tmp_path / "all.svg").stat().st_size > 0
+    assert all(source.outline() for source in everything().source)
+    drawn = {h.get_label() for legend in figure.legends for h in legend.get_patches()}
+    drawn |= {t.get_text() for legend in figure.legends for t in legend.get_texts()}
+    labels = {e.surface.label_text for e in everything().element if e.detector is None}
+    assert labels | {"detector", "source"} <= drawn
+
+
 @pytest.mark.parametrize("kind", ELEMENTS)
 def test_an_element_can_be_drawn_and_holds_what_hits_it(kind):
-    element = of_kind(shown("element", kind), "element", kind)
+    element = turned(kind)
     assert edges(element)
     assert facets(element)
     assert any(
@@ -143,11 +203,11 @@ def test_an_element_can_be_drawn_and_holds_what_hits_it(kind):
     starts = middle + random.normal(size=(4000, 3)) * element.reach
     along = middle + random.normal(size=(4000, 3)) * 0.3 * element.reach - starts
     along /= np.linalg.norm(along, axis=1)[:, None]
-    hits = pz.probe(scene, starts, along)
+    hits = pz.probe(scene, starts, along, lanes=1)
     met = hits.element >= 0
     assert met.sum() > 50
     points = hits.point[met]
-    assert np.linalg.norm(hits.normal[met], axis=1) == pytest.approx(1.0, abs=1e-14)
+    assert np.linalg.norm(hits.normal[met], axis=1) == pytest.approx(1.0, abs=64 * UNIT_ROUNDOFF)
     travelled = starts[met] + hits.distance[met, None] * along[met]
     assert np.abs(points - travelled).max() < 1e-12 * element.reach
     assert np.linalg.norm(points - element.position, axis=1).max() <= element.reach * (1.0 + 1e-12)
@@ -166,7 +226,21 @@ def test_the_bins_of_a_map_are_its_area(kind):
     assert bins.areas.min() >= 0.0
 
 
-# -- surfaces --------------------------------------------------------------------------------------
+# -- surfaces, conservation ------------------------------------------------------------------------
+
+
+def conserved(found: Any) -> None:
+    """Each batch: in = out + absorbed, to the last bit of exact integers.
+
+    Where a ray goes on as two one weight is the difference of two others, and rounds.
+    """
+    slack = Fraction(1, 10**15) if found.compiled.tables.spec.splits else 0
+    assert max(map(abs, found.closures())) <= slack
+
+
+def test_nothing_is_lost_in_a_scene_of_everything():
+    for lanes in (1, wide()):
+        conserved(traced("everything", lanes))
 
 
 def plate(surface: Any) -> Any:
@@ -175,13 +249,14 @@ def plate(surface: Any) -> Any:
     board = {**wall((0, 0, 0), "+z", 50.0), "surface": {"kind": "absorber"}}
     scene = scene_of([lamp], [board], far_field={"n_mu": 2, "n_phi": 4})
     element = replace(scene.element[0], surface=surface)
-    return trace(replace(scene, element=(element,)), rays_per_batch=1024, generation_cap=4)
+    plan = PLAN.with_(lanes=1)
+    return trace(replace(scene, element=(element,)), plan=plan, rays_per_batch=1024)
 
 
 def traits_hold(surface: Any) -> None:
     """What a surface's class says of it is what it does to a beam from one side."""
     found = plate(surface)
-    assert max(map(abs, found.closures())) <= Fraction(1, 10**15)
+    conserved(found)
     taken = found.absorbed("element 0")
     assert (taken == 0) or surface.absorbs
     assert found.interactions == (1024 if surface.counts else 0)
@@ -194,8 +269,7 @@ def traits_hold(surface: Any) -> None:
 
 @pytest.mark.parametrize("kind", SURFACES)
 def test_the_traits_of_a_surface_hold(kind):
-    cls = SURFACES[kind]
-    traits_hold(cls(**guess(cls)))
+    traits_hold(surface(kind))
 
 
 def test_a_surface_whose_traits_are_wrong_is_caught():
@@ -205,125 +279,3 @@ def test_a_surface_whose_traits_are_wrong_is_caught():
     for wrong in (lossless(0.5), transparent(), uncounted(0.5)):
         with pytest.raises(AssertionError):
             traits_hold(wrong)
-
-
-@pytest.mark.parametrize("kind", [k for k, cls in SURFACES.items() if cls.reflects])
-def test_a_reflector_is_reciprocal(kind):
-    """A small lamp and a small target change places: the same power, within 5 σ of both."""
-    cls = SURFACES[kind]
-    surface, power = cls(**guess(cls)), []
-    for here, there in (((-0.6, 0.0, 0.5), (0.4, 0.1, 0.8)), ((0.4, 0.1, 0.8), (-0.6, 0.0, 0.5))):
-        lamp = {
-            "kind": "lambertian-disk",
-            "flux": 1.0,
-            "position": list(here),
-            "axis": "-z",
-            "radius": 0.2,
-        }
-        target = {"kind": "disk", "position": there, "axis": "-z", "radius": 0.2,
-                  "surface": {"kind": "absorber"}, "detector": {}}  # fmt: skip
-        scene = scene_of(
-            [lamp], [{**wall((0, 0, 0), "+z", 3.0), "surface": {"kind": "absorber"}}, target]
-        )
-        scene = replace(
-            scene, element=(replace(scene.element[0], surface=surface), scene.element[1])
-        )
-        result = pz.trace(scene, batches=16, rays_per_batch=8192)
-        power.append(result.detectors["element 1"].power)
-    a, b = power
-    assert a.value > 0.0
-    assert abs(a.value - b.value) < 5.0 * math.hypot(a.sigma, b.sigma)
-
-
-# -- sources ---------------------------------------------------------------------------------------
-
-MOMENTS: dict[str, tuple[float, float, float]] = {
-    # mean cosine about the axis, its mean square, mean squared distance of the start in `reach`²
-    "isotropic-point": (0.0, 1 / 3, 0.0),
-    "cosine-point": (2 / 3, 1 / 2, 0.0),
-    "lambertian-disk": (2 / 3, 1 / 2, 1 / 2),
-    "lambertian-sphere": (0.0, 1 / 3, 1.0),
-    "collimated-disk": (1.0, 1.0, 1 / 2),
-    "cone-point": ((1 + math.cos(math.radians(30.0))) / 2,
-                   (1 + math.cos(math.radians(30.0)) + math.cos(math.radians(30.0)) ** 2) / 3, 0.0),
-    "lambertian-rectangle": (2 / 3, 1 / 2, 1 / 3),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("kind", SOURCES)
-def test_a_source_has_the_moments_of_its_density(kind):
-    assert kind in MOMENTS, "give the moments of the new source here"
-    cls, n = SOURCES[kind], 4096
-    values = {**guess(cls), "name": "s", "flux": 1.0, "position": (0.1, 0.2, 0.3)}
-    source = cls(**(values | {"axis": "-y", "tilt_deg": (20.0, 30.0)} if cls.directed else values))
-    found = pz.paths(pz.Scene(name="s", source=(source,)), rays=n)
-    along = found.end - found.start
-    along /= np.linalg.norm(along, axis=1)[:, None]
-    mu = along @ np.array(source.frame[2])
-    away = np.linalg.norm(found.start - source.position, axis=1)
-    size = source.reach or 1.0
-    mean, square, spread = MOMENTS[kind]
-    for sample, wanted in ((mu, mean), (mu**2, square), ((away / size) ** 2, spread)):
-        slack = 5.0 * max(float(sample.std()) / math.sqrt(n), 1e-12)
-        assert abs(float(sample.mean()) - wanted) < slack
-    assert away.max() <= source.reach * (1.0 + 1e-12) + 1e-15
-    assert source.draws_position == bool(source.reach)
-
-
-# -- filters, detectors, effects -------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("kind", FILTERS)
-def test_a_filter_loses_no_arrival(kind):
-    cls = FILTERS[kind]
-    assert (kernels_dir() / "filters" / f"{cls.kernel}.mako").is_file()
-    assert cls.what
-    used = 0
-    for element in ("rectangle", "sphere", "cylinder"):
-        scene = shown("element", element)
-        black = {"surface": pz.Absorber(), "detector": pz.Detector(map=(5, 3), generations=4)}
-        thing = replace(of_kind(scene, "element", element), **black)
-        made = compiled(replace(scene, element=(thing,)), rays_per_batch=512)
-        found = trace_compiled(made)
-        (detector,) = made.layout.detectors
-        for tally in detector.tallies:
-            used += any(isinstance(f, cls) for f in tally.filters)
-            assert found.amount(tally.first, tally.size) == found.amount(detector.power)
-            for f in tally.filters:
-                assert len(f.axis.edges) == f.bins + 1
-                assert (np.diff(f.axis.edges) > 0.0).all()
-    assert used
-
-
-def test_detectors_have_a_page():
-    for kind, cls in DETECTORS.items():
-        assert page("detector", kind, cls)[0].startswith(f"# {kind}\n")
-
-
-@pytest.mark.parametrize("effect", EFFECTS, ids=[e.name for e in EFFECTS])
-def test_an_effect_says_why_and_leaves_nothing_where_it_is_not_needed(effect):
-    from hostcode.program.source import program_source
-
-    bare = load("cosine-fourth")
-    lamp = replace(bare, element=(replace(bare.element[0], detector=None),), far_field=None)
-    reason = effect.needed(lamp, lamp.run)
-    assert reason is None
-    assert effect.what
-    assert effect.costs
-    made = compiled(lamp)
-    assert effect.name not in made.effects
-    text = program_source(made.tables.spec.for_device(4, ("wave",)))
-    forced = compiled(lamp, frozenset({effect.name}))
-    if effect.name in forced.effects:
-        assert forced.reasons[effect.name] == "it was asked for"
-        for part in forced.tables.spec.parts:
-            for _, template in part.templates:
-                assert f'"kernels/{template}.mako"' not in text
-            for field in part.ray:
-                assert f" {field.name};" not in text
-
-
-@pytest.mark.parametrize("labels", [("a",), ("a", "a")])
-def test_no_cell_of_an_effect_has_the_label_of_another(labels):
-    with pytest.raises(ValueError, match="give each cell a label of its own"):
-        CellGroup("bounces", 0, (2,), labels)

@@ -88,6 +88,13 @@ def test_a_scene_of_everything(device: OpenDevice, lanes: int) -> None:
     build_silently(device, compiled(load(everything())).tables.spec, lanes, "wave", *one)
 
 
+@pytest.mark.parametrize("lanes", LANES)
+def test_a_library_that_no_kind_uses_yet(device: OpenDevice, lanes: int) -> None:
+    spec = compiled("cosine-fourth").tables.spec
+    users = tuple(replace(kind, libraries=("lib/powers",)) for kind in spec.surfaces)
+    build_silently(device, replace(spec, surfaces=users), lanes, "wave")
+
+
 MIX_UPS = {
     "a mask from an integer": {"fresnel.splits": "lsplat(0L)"},
     "integers compared as reals": {"meet.first_named": "LT(hit_code, h->code)"},

@@ -15,6 +15,7 @@ from hostcode.errors import HostError
 from hostcode.program.codes import CODE, decode, encode
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ArgumentError
+from photizon_cl.scene import registry
 from photizon_cl.scene.elements.base import Element
 from photizon_cl.scene.rows import Row
 
@@ -195,3 +196,22 @@ def test_no_kernel_holds_a_literal_column():
                 continue
             text = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
             assert not literal.search(text), path.name
+
+
+def test_two_rows_of_one_name_do_not_share_a_scene():
+    plain = room()
+    other = replace(plain.element[1], surface=FiveNumbers(0.75))
+    with pytest.raises(ValueError, match="a column LAMBERTIAN_REFLECTANCE, in two places"):
+        compiled(replace(plain, element=(plain.element[0], other, plain.element[2])))
+
+
+def test_two_classes_of_one_kind_are_refused():
+    with pytest.raises(ValueError, match="two classes of the kind mirror"):
+        registry._by_kind(pz.Mirror, pz.Lambertian, type("Other", (pz.Mirror,), {}))
+
+
+def test_row_names_are_unique_over_the_registry():
+    groups = (registry.ELEMENTS, registry.SURFACES, registry.SOURCES)
+    for group in groups:
+        rows = {cls.row for cls in group.values() if len(cls.row)}
+        assert len({row.name for row in rows}) == len(rows)

@@ -106,6 +106,8 @@ def ledger_table(result: Estimates, most: int = MOST_ROWS) -> Table:
         add("roulette: boosted", ledger.roulette.boosted)
         add("roulette: balance (killed − boosted)", ledger.roulette.balance)
     add("depth-capped", ledger.depth_capped)
+    for title, row in ledger.others.items():
+        add(title, row)
     closure = number(f"{ledger.closure:.1e}" if ledger.closure else "0")
     rows.append(("closure (emitted − all other rows)", closure, "", ""))
     notes = [_sigma_note(result)]
