@@ -151,14 +151,14 @@ class Runner:
         assert status == 0 or wrong, f"exit status {status}:\n{err.getvalue()}"
         return err.getvalue() if wrong else out.getvalue()
 
-    def process(self, *words):
+    def process(self, *words, timeout_s=120):
         done = subprocess.run(
             [sys.executable, *words],
             cwd=self.folder,
             env={**os.environ, "PYTHONPATH": str(self.folder)},
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=timeout_s,
             check=False,
         )
         assert done.returncode == 0, done.stderr

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import shutil
+
 import pytest
 from pages import ROOT, Runner, apply_hunks, matches
 from photizon_docs.tables import GROUPS
@@ -39,6 +42,15 @@ def test_a_surface_and_an_effect_are_added(checkout):
     assert "| `reflectance` | part of the power that is reflected |" in page
     assert "d' = -d, weight times reflectance" in page
     assert "pz.Retroreflector(reflectance=0.8)" in page
+    # and what every kind must hold, these three with the others
+    shutil.copy(ROOT / "pyproject.toml", checkout)
+    for name in ("tests", "docs"):
+        shutil.copytree(ROOT / name, checkout / name, dirs_exist_ok=True)
+    contract = [f"tests/structure/test_contract{part}.py" for part in ("", "_effects", "_chance")]
+    said = runner.process(
+        "-m", "pytest", "-q", *contract, "-k", "retroreflector or phong or bounces", timeout_s=600
+    )
+    assert re.search(r"^1[0-9] passed, \d+ deselected", said, re.M), said
 
 
 @pytest.mark.parametrize(("group", "kind"), KINDS, ids=[kind for _, kind in KINDS])

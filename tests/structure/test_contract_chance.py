@@ -28,7 +28,9 @@ from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 
 FALSE_ALARM = 1e-6
 UNIT_ROUNDOFF = 2.0**-53
-REFLECTORS = [kind for kind, cls in SURFACES.items() if cls.reflects]
+REFLECTORS = [kind for kind, cls in SURFACES.items() if cls.reflects and cls.reciprocal]
+LOW, HIGH = (-0.6, 0.0, 0.15), (0.3, 0.1, 0.9)
+"""Over a plate: seen from its middle, one is near grazing and one near the normal."""
 MOMENTS_EACH = 7
 RAYS = 1 << 15
 GATES = len(ELEMENTS) + MOMENTS_EACH * len(SOURCES) + len(REFLECTORS)
@@ -169,11 +171,14 @@ def test_a_source_has_the_moments_of_its_density(kind, launched):
 
 
 def received(surface: Any, here: Any, there: Any) -> np.ndarray:
-    """Return what a target gets of a lamp by way of a plate, in launched weights by batch."""
+    """Return what a target gets of a lamp by way of a plate, in launched weights by batch.
+
+    Light passes the target, as it passes a lamp: neither shadows what the other does not.
+    """
     disk = {"axis": "-z", "radius": 0.2}
     lamp = {"kind": "lambertian-disk", "flux": 1.0, "position": list(here), **disk}
-    black = {"surface": {"kind": "absorber"}}
-    target = {"kind": "disk", "position": list(there), **disk, **black, "detector": {}}
+    black, clear = ({"surface": {"kind": kind}} for kind in ("absorber", "clear"))
+    target = {"kind": "disk", "position": list(there), **disk, **clear, "detector": {}}
     scene = scene_of([lamp], [{**wall((0, 0, 0), "+z", 3.0), **black}, target])
     board = replace(scene.element[0], surface=surface)
     scene = replace(scene, element=(board, scene.element[1]))
@@ -194,11 +199,10 @@ def reciprocal(there: np.ndarray, back: np.ndarray) -> None:
 @pytest.mark.parametrize("kind", REFLECTORS)
 def test_a_reflector_is_reciprocal(kind):
     """A small lamp and a small target, of one size, change places."""
-    a, b = (-0.6, 0.0, 0.5), (0.4, 0.1, 0.8)
-    reciprocal(received(surface(kind), a, b), received(surface(kind), b, a))
+    reciprocal(received(surface(kind), LOW, HIGH), received(surface(kind), HIGH, LOW))
 
 
 def test_what_is_not_reciprocal_is_caught():
-    a, b, dim = (-0.6, 0.0, 0.5), (0.4, 0.1, 0.8), pz.Lambertian(reflectance=0.7)
+    dim = pz.Lambertian(reflectance=0.7)
     with pytest.raises(AssertionError):
-        reciprocal(received(surface("lambertian"), a, b), received(dim, b, a))
+        reciprocal(received(surface("lambertian"), LOW, HIGH), received(dim, HIGH, LOW))

@@ -36,6 +36,8 @@ class Surface(Described):
     """Whether it is the border of two media."""
     splits: ClassVar[bool] = False
     """Whether a ray may go on as two."""
+    reciprocal: ClassVar[bool] = True
+    """Whether as much goes from one direction into another as back (Helmholtz)."""
     draws: ClassVar[bool] = False
     """Whether it draws random numbers."""
     carries_detector: ClassVar[bool] = False
