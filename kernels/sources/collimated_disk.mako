@@ -10,7 +10,7 @@ FN void emit_${source.suffix}(__global const double *source, real u, real v, rea
     *x += R(source[SOURCE_X]); *y += R(source[SOURCE_Y]); *z += R(source[SOURCE_Z]);
 % if source.option == "diverging":
     sincos_turns(v, &s, &c);
-    const real sin_theta = sqrt(u) * R(source[COLLIMATED_DISK_SINE]);
+    const real sin_theta = ${point("collimated_disk.sine", "sqrt(u)")} * R(source[COLLIMATED_DISK_SINE]);
     from_frame(source + SOURCE_FRAME, sin_theta * c, sin_theta * s, sqrt(fma(-sin_theta, sin_theta, splat(1.0))),
                dx, dy, dz);
 % else:

@@ -6,14 +6,14 @@
 FN void meet_mixed(const encounter_t *event, const material_t *material, outcome_t *outcome) {
     const packet_t *p = event->p;
     const real s = material_number(material, MIXED_SPECULAR), d = material_number(material, MIXED_DIFFUSE);
-    const real large = p->w * fmax(s, d), small = fmin(p->w * fmin(s, d), p->w - large);
+    const real large = p->w * ${point("mixed.larger", "fmax(s, d)")}, small = fmin(p->w * fmin(s, d), p->w - large);
     const mask shines = GE(s, d);
     const real w_specular = SEL(shines, large, small), w_diffuse = SEL(shines, small, large);
     real sx, sy, sz, x, y, z;
     reflect(p, event->c, &sx, &sy, &sz);
     scatter_diffusely(event->seed, p, event->c, &x, &y, &z);
     const mask specular = GT(w_specular, splat(0.0));
-    send_on(outcome, event->m, SEL(specular, sx, x), SEL(specular, sy, y), SEL(specular, sz, z),
+    send_on(outcome, event->m, ${point("mixed.first", "SEL(specular, sx, x)")}, SEL(specular, sy, y), SEL(specular, sz, z),
             SEL(specular, w_specular, w_diffuse));
 % if splits:
     send_second(outcome, event->m & specular & GT(w_diffuse, splat(0.0)), x, y, z, w_diffuse);

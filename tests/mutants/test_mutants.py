@@ -345,6 +345,31 @@ MUTANTS = (
         gates.corners_hold,
     ),
     Mutant(
+        'a cone that is dense on its axis',
+        {'cone_point.height': 'u * u'},
+        chance.cone_is_uniform,
+    ),
+    Mutant(
+        'a beam that diverges with uniform intensity on its rim',
+        {'collimated_disk.sine': 'u'},
+        chance.beam_has_uniform_radiance,
+    ),
+    Mutant(
+        'a rectangle that shines from a half of it',
+        {'lambertian_rectangle.across': 'pv'},
+        chance.rectangle_lamp_is_even,
+    ),
+    Mutant(
+        'a mixed surface that keeps what the larger child has',
+        {'mixed.larger': 'fmin(s, d)'},
+        gates.mixed_shares,
+    ),
+    Mutant(
+        'a mixed surface without its mirror',
+        {'mixed.first': 'x'},
+        gates.mixed_shares,
+    ),
+    Mutant(
         'mirror without loss',
         {'mirror.weight': 'p->w'},
         gates.periscope,

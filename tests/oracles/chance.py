@@ -113,3 +113,35 @@ def circle_areas(x: np.ndarray, y: np.ndarray, radius: float) -> np.ndarray:
             width = np.clip(np.minimum(y[j + 1], height) - np.maximum(y[j], -height), 0.0, None)
             areas[j, i] = half * (weights * width).sum()
     return areas
+
+
+def lone_source(source: dict[str, Any], rows: dict[int, float], rays: int = 1 << 14) -> None:
+    """Directions of a source alone: χ² over eight equal parts of cos θ; parts not named are 0."""
+    found = trace(scene_of([source], [], far_field={"n_mu": 8, "n_phi": 4}), rays_per_batch=rays)
+    shares = np.zeros((8, 4))
+    for row, share in rows.items():
+        shares[row] = share / 4.0
+    chi_square(found.far_field_counts, shares, ALPHA)
+
+
+def cone_is_uniform() -> None:
+    """A cone of 60° has equal parts of its rays in equal parts of cos θ."""
+    lamp = {"kind": "cone-point", "flux": 1.0, "position": [0, 0, 0], "axis": "+z"}
+    lone_source({**lamp, "half_angle_deg": 60.0}, {6: 0.5, 7: 0.5})
+
+
+def beam_has_uniform_radiance() -> None:
+    """Of a beam that diverges by 60°, sin² θ is uniform up to 3/4."""
+    lamp = {**beam((0, 0, 0), "+z", 0.1), "divergence_deg": 60.0}
+    lone_source(lamp, {6: 5 / 12, 7: 7 / 12})
+
+
+def rectangle_lamp_is_even(rays: int = 1 << 14) -> None:
+    """A black plate on a quarter of a shining rectangle gets a quarter of its rays."""
+    lamp = {
+        "kind": "lambertian-rectangle", "flux": 1.0, "position": [0, 0, 0], "axis": "+z",
+        "half_width": 2.0, "half_height": 2.0,
+    }  # fmt: skip
+    plate = {**wall((1.0, 1.0, 1e-9), "-z", 1.0), **BLACK, "detector": {}}
+    count = trace(scene_of([lamp], [plate]), rays_per_batch=rays).detector("element 0").count
+    assert abs(count - rays / 4) < z_limit(ALPHA) * math.sqrt(rays * 3 / 16)

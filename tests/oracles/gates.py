@@ -433,3 +433,17 @@ def shares_are_unbiased() -> None:
     counts = [found.detector(f"element {n}").count for n in (0, 1)]
     assert counts[0] + counts[1] == 800
     assert abs(counts[0] - 100) <= 1
+
+
+def mixed_shares() -> None:
+    """A surface of 1/2 specular and 1/4 diffuse keeps a quarter, and sends the rest to both."""
+    surface = {"surface": {"kind": "mixed", "specular": 0.5, "diffuse": 0.25}}
+    target = {**wall((0, 0, 3), "-z", 1e-4), **BLACK, "detector": {}}
+    found = trace(
+        scene_of(
+            [beam((0, 0, 1), "-z", 1e-9)], [{**wall((0, 0, 0), "+z", 5.0), **surface}, target]
+        ),
+        rays_per_batch=256,
+    )
+    assert found.absorbed("element 0") == 64
+    assert found.detector("element 1").power == 128
