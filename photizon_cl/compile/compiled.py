@@ -100,8 +100,8 @@ def compile_scene(
     settings : RunSettings
         How it is run; may differ from ``scene.run``.
     force : frozenset of str
-        Effects compiled in although the scene does not need them, where that is possible; they
-        change no bit of the answer.
+        Effects compiled in although the scene does not need them, where that is possible. They
+        change no other number: one with cells or rows of its own adds those to the tally.
     without : frozenset of str
         Effects left out although the scene would have them. Only for one that changes no bit of the
         answer, as `acceleration`.
