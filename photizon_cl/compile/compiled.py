@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -135,7 +135,7 @@ def compile_scene(
     sources = source_kinds(scene)
     draft.element_codes = element_codes(scene, class_of, surfaces)
     draft.geometry = geometry_table(draft, class_of, stride)
-    parts = [effect.parts(draft) for effect, _ in used]
+    parts = [replace(effect.parts(draft), effect=effect.name) for effect, _ in used]
     spec = ProgramSpec(
         classes=draft.classes,
         surfaces=surfaces,
