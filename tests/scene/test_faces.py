@@ -148,7 +148,7 @@ def test_what_a_side_is_hidden_from() -> None:
     assert ball.hidden((0.0, 0.0, 0.5), 0.4, plus=True, passed=True)
     assert not ball.hidden((0.0, 0.0, 0.5), 0.4, plus=False, passed=False)
     assert not Ball(name="z", radius=1.0, polar=(0.5, math.pi)).hidden(
-        (0.0, 0.0, 0.5), 0.4, plus=True
+        (0.0, 0.0, 0.5), 0.4, plus=True, passed=False
     )
     inward = Ball(name="b", radius=1.0, sense=-1.0)
     assert inward.hidden((0.0, 0.0, 0.5), 0.4, plus=False, passed=False)
