@@ -38,9 +38,10 @@ class KernelBuildError(HostError):
     Parameters
     ----------
     template : str
-        The kernel template's path relative to the kernels directory, with forward slashes.
+        The kernel template's path relative to the kernels directory, with forward slashes, or
+        ``hook <place> of <effect>`` for a statement that an effect brings.
     line : int or None
-        Line in the template, counted from 1; None where the compiler named none.
+        Line in the template or statement, counted from 1; None where the compiler named none.
     message : str
         What the template engine or the device's compiler said, in one line where possible.
     excerpt : str

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from hostcode.errors import KernelBuildError
-from hostcode.program.source import program_source
+from hostcode.program.source import hook_name, program_source
 
 if TYPE_CHECKING:
     import pyopencl as cl
@@ -41,11 +41,14 @@ class Program:
 
 
 _CACHE: dict[tuple[int, ProgramSpec], Program] = {}
-_MESSAGE = re.compile(r'(?:^|\s)"?kernels/(?P<name>[\w/]+\.mako)"?:(?P<line>\d+):(?P<rest>.*)')
+_MESSAGE = re.compile(
+    r'(?:^|\s)"?(?:kernels/(?P<name>[\w/]+\.mako)|(?P<hook>hook \w+ of [\w -]+))"?'
+    r":(?P<line>\d+):(?P<rest>.*)"
+)
 
 
-def _build_error(log: str) -> KernelBuildError:
-    """Turn a compiler's log into an error that points into a template."""
+def _build_error(log: str, spec: ProgramSpec) -> KernelBuildError:
+    """Turn a compiler's log into an error that points into a template or an effect's statement."""
     from hostcode.assets import kernels_dir
 
     matches = [m for m in map(_MESSAGE.search, log.splitlines()) if m]
@@ -53,6 +56,10 @@ def _build_error(log: str) -> KernelBuildError:
     if found is None:
         return KernelBuildError("(program)", None, "the compiler refused it", log)
     name, line = found["name"], int(found["line"])
+    if name is None:
+        hooks = [(hook_name(part, hook[0]), hook[1]) for part in spec.parts for hook in part.hooks]
+        excerpt = "\n".join(f"> {text}" for hook, text in hooks if hook == found["hook"])
+        return KernelBuildError(found["hook"], line, found["rest"].strip(), f"{excerpt}\n\n{log}")
     text = (kernels_dir() / name).read_text(encoding="utf-8").splitlines()
     near = range(max(line - 2, 1), min(line + 2, len(text)) + 1)
     excerpt = "\n".join(f"{'>' if n == line else ' '}{n:5d} | {text[n - 1]}" for n in near)
@@ -73,6 +80,8 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
     ------
     KernelBuildError
         Where a template does not render or the compiler refuses the text, with its line.
+    HostError
+        Where an effect names a place or a type that there is not.
     """
     import pyopencl as cl
 
@@ -86,7 +95,7 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
     try:
         built = program.build(options=list(OPTIONS))
     except cl.RuntimeError as error:
-        raise _build_error(str(error)) from error
+        raise _build_error(str(error), spec) from error
     made = Program(spec, source, digest, time.perf_counter() - started, built)
     _CACHE[key] = made
     return made

@@ -14,6 +14,9 @@ __all__ = [
     "BASE_ENDING",
     "BASE_HIT",
     "BASE_RAY",
+    "ENDING_TYPES",
+    "HIT_TYPES",
+    "RAY_TYPES",
     "EndingField",
     "HitField",
     "RayField",
@@ -22,6 +25,10 @@ __all__ = [
 ]
 
 _C_TYPES: Final = {"real": "real", "long": "lint", "ulong": "luint", "word": "word", "mask": "mask"}
+
+RAY_TYPES: Final = ("real", "long", "ulong", "word")
+HIT_TYPES: Final = ("real", "long", "mask")
+ENDING_TYPES: Final = ("real", "word")
 
 
 @dataclass(frozen=True)

@@ -4,20 +4,27 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from hostcode.errors import HostError
 from hostcode.program.codes import CODE
-from hostcode.program.fields import declare, of_type
+from hostcode.program.fields import ENDING_TYPES, HIT_TYPES, RAY_TYPES, declare, of_type
 from hostcode.program.spec import CACHE_LINE
-from hostcode.program.structs import ITEM, LAUNCH, c_struct
+from hostcode.program.structs import ITEM, LAUNCH, LAUNCH_TYPES, c_struct
 from hostcode.templates import lane, render
 
 if TYPE_CHECKING:
-    from hostcode.program.spec import ProgramSpec
+    from hostcode.program.spec import EffectParts, ProgramSpec
 
-__all__ = ["PLACES", "program_source"]
+__all__ = ["HOOKS", "PLACES", "RECORDS", "hook_name", "program_source"]
 
 PLACES: Final = ("search", "survive", "tally")
 """Where the templates of effects stand: behind the elements' functions, before what may end a ray
 between two interactions, among what counts endings."""
+
+HOOKS: Final = ("travel", "surface", "survive")
+"""Where the statements of effects stand in an interaction, see kernels/lib/interaction.mako."""
+
+RECORDS: Final = ("arrivals", "escapes")
+"""What effects may have recorded for the tally stage, see kernels/lib/shade.mako."""
 
 _ALONE: Final = frozenset({"probe", "follow", "paths"})
 """Stages that leave nothing for the tally stage."""
@@ -59,6 +66,42 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     return parts + [(name, {}) for name in names]
 
 
+def hook_name(part: EffectParts, place: str) -> str:
+    """Return what compilers are told to call an effect's statements at a place."""
+    return f"hook {place} of {part.effect or 'an effect'}"
+
+
+def _check(part: EffectParts) -> None:
+    """See that all that an effect brings has a place and a type that there are."""
+    asked: list[tuple[str, str, tuple[str, ...]]] = []
+    asked += [(f"place of the template {name}", place, PLACES) for place, name in part.templates]
+    asked += [(f"place of the hook {statement}", place, HOOKS) for place, statement in part.hooks]
+    asked += [("what is recorded", what, RECORDS) for what in part.records]
+    asked += [(f"type of the ray's {f.name}", f.type, RAY_TYPES) for f in part.ray]
+    asked += [(f"type of the hit's {f.name}", f.type, HIT_TYPES) for f in part.hit]
+    asked += [(f"type of the ending's {f.name}", f.type, ENDING_TYPES) for f in part.ending]
+    asked += [(f"type of the launch's {name}", c, LAUNCH_TYPES) for name, c, _ in part.launch]
+    for what, found, allowed in asked:
+        if found not in allowed:
+            whose = f"effect {part.effect}" if part.effect else "an effect"
+            raise HostError(
+                f'{whose}: {what}: found "{found}", expected one of {", ".join(allowed)}'
+            )
+
+
+def _hooks(spec: ProgramSpec) -> dict[str, list[str]]:
+    """Return the statements at each place, each with whose it is for the compiler's messages."""
+    return {
+        place: [
+            f'#line 1 "{hook_name(part, place)}"\n    {statement}'
+            for part in spec.parts
+            for where, statement in part.hooks
+            if where == place
+        ]
+        for place in HOOKS
+    }
+
+
 def program_source(spec: ProgramSpec) -> str:
     """Return the OpenCL C text of a program.
 
@@ -66,12 +109,12 @@ def program_source(spec: ProgramSpec) -> str:
     ------
     KernelBuildError
         Where a template does not render.
+    HostError
+        Where an effect names a place or a type that there is not.
     """
-    ray, ending = spec.ray_fields, spec.ending_fields
-    hooks: dict[str, list[str]] = {"travel": [], "surface": [], "survive": []}
     for part in spec.parts:
-        for place, statement in part.hooks:
-            hooks[place].append(statement)
+        _check(part)
+    ray, ending = spec.ray_fields, spec.ending_fields
     context: dict[str, Any] = {
         "real": spec.real,
         "lanes": spec.lanes,
@@ -88,7 +131,7 @@ def program_source(spec: ProgramSpec) -> str:
         "recorded": spec.recorded,
         "splits": spec.splits,
         "passes": spec.passes,
-        "hooks": hooks,
+        "hooks": _hooks(spec),
         "interleaved": spec.interleaved,
         "private_tallies": spec.private_tallies,
         "n_elements": spec.n_elements,

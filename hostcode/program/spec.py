@@ -176,6 +176,8 @@ class EffectParts:
 
     Parameters
     ----------
+    effect : str
+        Its name, for messages; `photizon_cl.compile.compiled.compile_scene` writes it.
     ray : tuple of RayField
         Numbers that a ray carries because of it.
     hit : tuple of HitField
@@ -183,13 +185,15 @@ class EffectParts:
     ending : tuple of EndingField
         Numbers that are recorded because of it.
     templates : tuple of (str, str)
-        Place in the program (see `hostcode.program.source.PLACES`) and kernel template.
+        Place in the program, one of `hostcode.program.source.PLACES`, and kernel template:
+        its path below ``kernels/`` without the suffix.
     hooks : tuple of (str, str)
-        Place in an interaction (see kernels/lib/interaction.mako) and the C statement there.
+        Place in an interaction, one of `hostcode.program.source.HOOKS`, and the C statement there;
+        kernels/lib/interaction.mako lists the variables in its scope.
     launch : tuple of (str, str, str)
         Members of the launch structure: name, C type, meaning.
     records : tuple of str
-        What is recorded for the tally stage: ``arrivals``, ``escapes``.
+        What is recorded for the tally stage, some of `hostcode.program.source.RECORDS`.
     splits : bool
         Whether rays go on as two.
     one_by_one : bool
@@ -198,6 +202,7 @@ class EffectParts:
         Counts that the templates ask for.
     """
 
+    effect: str = ""
     ray: tuple[RayField, ...] = ()
     hit: tuple[HitField, ...] = ()
     ending: tuple[EndingField, ...] = ()

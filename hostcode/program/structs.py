@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-__all__ = ["ITEM", "LAUNCH", "STATUS", "c_struct", "numpy_dtype"]
+__all__ = ["ITEM", "LAUNCH", "LAUNCH_TYPES", "STATUS", "c_struct", "numpy_dtype"]
 
 LAUNCH: Final[tuple[tuple[str, str, str], ...]] = (
     ("seed", "ulong", "key of every draw"),
@@ -50,6 +50,9 @@ STATUS: Final = ("unfinished", "blocked", "interactions", "passed")
 segment is too small to go on, surface interactions made, surfaces passed without one."""
 
 _NUMPY: Final = {"ulong": np.uint64, "double": np.float64}
+
+LAUNCH_TYPES: Final = tuple(_NUMPY)
+"""C types that members of these structures may have."""
 
 
 def numpy_dtype(fields: tuple[tuple[str, str, str], ...]) -> np.dtype[np.void]:

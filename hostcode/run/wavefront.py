@@ -88,13 +88,9 @@ class Engine:
     device : OpenDevice
         Where.
     tables : DeviceTables
-        What.
+        What: the scene, and the settings of its stream (``tables.launch``).
     plan : ExecutionPlan
         How; changes no bit of the result.
-    seed, rays_per_batch, generation_cap : int
-        The stream.
-    roulette_floor : float
-        Fraction of the launched weight.
 
     Raises
     ------

@@ -1,4 +1,25 @@
 ## records, splits, hooks
+##
+## What the statements of effects find in scope.  Everywhere `launch`, the launch structure with the
+## effect's own members, and `ledger`; types are those of event.mako, limbs.mako and ledger.mako, and a
+## `real`, `lint` or `mask` has a value for each lane.  All are to be read; what may be written is said.
+##
+##   travel   (in interact) scene; p: the packet at the start of the segment, with its weight before (w may be
+##            written, what it loses booked); h: what it meets, h->found the lanes that meet a face, h->t the length of
+##            the segment in m; c: the contact, point, normal and side, of the lanes in h->found;
+##            records and n_records.  `child` is not set yet.
+##   surface  (in shade) scene, p, h and c as before, p not yet moved on; found: lanes that meet a face;
+##            escaped: lanes that leave the scene; met: lanes of `found` that do not just pass;
+##            element: its number in file order, of the lanes in `found`; takes: lanes whose element takes
+##            what does not go on; before: the weight that arrives, as an image_t (limbs.mako) to be
+##            counted; outcome: what goes on (event.mako), with the packet's weight behind the surface;
+##            end: what is recorded, where anything is.  The ledger is booked already: change no weight.
+##   survive  (in survive) p: the packet at the start of its next segment, or the second ray of the lanes
+##            that split (may be written: w, alive, each change booked); met: the lanes that made an
+##            interaction.
+##
+## An image_t is a weight as three integers, in units of 2^-31, 2^-63 and 2^-95: image_of(w) makes one,
+## book_row books it on a row of the effect, count_weights adds it to the effect's cells.
 // One interaction, the only one that there is: travel -> shade -> record -> survive, from the nearest
 // face on.  The persistent packet, the whole path, the classical stages, the follower and the path
 // recorder all call it.
@@ -12,7 +33,7 @@ FN void interact(const launch_t *launch, const scene_t *scene, const records_t *
                  ledger_t *ledger, packet_t *p, const hit_t *h, contact_t *c, packet_t *child) {
     locate(scene, p, h, c);
 % for statement in hooks["travel"]:
-    ${statement}
+${statement}
 % endfor
     ending_t end;
     const mask met = shade(launch, scene, p, h, c, ledger, &end, child);

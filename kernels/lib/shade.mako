@@ -88,7 +88,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % endfor
 % endif
 % for statement in hooks["surface"]:
-    ${statement}
+${statement}
 % endfor
 
     const lint face = (h->code << 2) | (INT_MASK(c->came_plus) & 1L);

@@ -14,6 +14,6 @@ FN void cap_generations(const launch_t *launch, packet_t *p, ledger_t *ledger) {
 FN void survive(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met) {
     cap_generations(launch, p, ledger);
 % for statement in hooks["survive"]:
-    ${statement}
+${statement}
 % endfor
 }

@@ -74,8 +74,8 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
 
 def _blind_detectors(scene: Scene) -> Iterator[str]:
     """Find detectors that no light can reach on the side that they face."""
-    if any(element.surface.reflects for element in scene.element):
-        return  # it may be lit by reflection
+    if any(_turns(element) for element in scene.element):
+        return  # it may be lit from there
     for element in scene.element:
         if element.detector is None:
             continue
@@ -87,9 +87,18 @@ def _blind_detectors(scene: Scene) -> Iterator[str]:
             )
 
 
+def _turns(element: Element) -> bool:
+    """Say whether light may leave an element in another direction than it came in."""
+    surface = element.surface
+    return surface.reflects or (surface.transmits and surface.counts)
+
+
 def _is_behind(element: Element, source: Source) -> bool:
-    face, plus = element.sole_face, element.detector_side in ("front", "outside")
-    return face is not None and face.hidden(element.local(source.position), source.reach, plus=plus)
+    face, plus, passed = element.sole_face, element.detector_plus, element.surface.transmits
+    if face is None:
+        return False
+    local = element.local(source.position)
+    return face.hidden(local, source.reach, plus=plus, passed=passed)
 
 
 def _capped_cavities(scene: Scene) -> Iterator[str]:

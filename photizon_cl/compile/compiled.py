@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -100,8 +100,8 @@ def compile_scene(
     settings : RunSettings
         How it is run; may differ from ``scene.run``.
     force : frozenset of str
-        Effects compiled in although the scene does not need them, where that is possible; they
-        change no bit of the answer.
+        Effects compiled in although the scene does not need them, where that is possible. They
+        change no other number: one with cells or rows of its own adds those to the tally.
     without : frozenset of str
         Effects left out although the scene would have them. Only for one that changes no bit of the
         answer, as `acceleration`.
@@ -135,7 +135,7 @@ def compile_scene(
     sources = source_kinds(scene)
     draft.element_codes = element_codes(scene, class_of, surfaces)
     draft.geometry = geometry_table(draft, class_of, stride)
-    parts = [effect.parts(draft) for effect, _ in used]
+    parts = [replace(effect.parts(draft), effect=effect.name) for effect, _ in used]
     spec = ProgramSpec(
         classes=draft.classes,
         surfaces=surfaces,

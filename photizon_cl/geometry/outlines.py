@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
     Line = NDArray[np.float64]
     """Points of a polyline, shape (k, 3), in metres."""
+    Values = NDArray[np.float64]
+    """A number for each of k places, shape (k,)."""
+    Normal = NDArray[np.float64]
+    """A unit vector, shape (3,)."""
 
 __all__ = ["cut", "edges", "facets", "to_world"]
 
@@ -141,7 +145,7 @@ def _around_hole(face: Plane) -> list[Line]:
 # -- cutting -------------------------------------------------------------------------------------
 
 
-def _cut_plane(face: Plane, normal: Line, offset: float) -> list[Line]:
+def _cut_plane(face: Plane, normal: Normal, offset: float) -> list[Line]:
     rim, *holes = _rims(face)
     heights = rim @ normal - offset
     size = float(np.abs(rim).max())
@@ -161,7 +165,7 @@ def _cut_plane(face: Plane, normal: Line, offset: float) -> list[Line]:
     return [np.stack([chord[0], gap[0]]), np.stack([gap[1], chord[1]])]
 
 
-def _chord(polygon: Line, heights: Line) -> Line | None:
+def _chord(polygon: Line, heights: Values) -> Line | None:
     """Return the two points where a plane meets the rim of a convex polygon."""
     found: list[Line] = []
     for a, b, ha, hb in zip(polygon, polygon[1:], heights, heights[1:], strict=False):
@@ -184,14 +188,14 @@ def _to_rim(face: Plane, outline: Outline, chord: Line) -> Line:
     return np.stack(ends)
 
 
-def _cut_revolved(face: Revolved, normal: Line, offset: float) -> list[Line]:
+def _cut_revolved(face: Revolved, normal: Normal, offset: float) -> list[Line]:
     """Cut circle by circle: on the one of radius r at height w the plane stands at φ0 ± β."""
     across = math.hypot(normal[0], normal[1])
     if across < 1e-12:  # the plane stands across the axis
         return _cut_across(face, offset / float(normal[2]))
     turn = math.atan2(normal[1], normal[0])
 
-    def cosine(s: Line) -> Line:
+    def cosine(s: Values) -> Values:
         r, w = face.profile(s)
         with np.errstate(divide="ignore", invalid="ignore"):
             c = (offset - normal[2] * w) / (r * across)
@@ -244,7 +248,7 @@ def _cut_across(face: Revolved, height: float) -> list[Line]:
     return []
 
 
-def _limit(cosine: Callable[[Line], Line], inside: float, outside: float) -> float:
+def _limit(cosine: Callable[[Values], Values], inside: float, outside: float) -> float:
     """Return where |cosine| reaches 1 between a place inside and one outside."""
     for _ in range(60):
         middle = 0.5 * (inside + outside)

@@ -53,7 +53,7 @@ class Rung:
 
 @dataclass(frozen=True, eq=False)
 class IrradianceMap:
-    """An irradiance map. Rows ascend in v (or cos θ), columns in u (or φ).
+    """An irradiance map. Rows ascend in v (or cos θ, or w), columns in u (or φ).
 
     Parameters
     ----------
@@ -64,7 +64,8 @@ class IrradianceMap:
     count : ndarray, shape (ny, nx), int64
         Arrivals.
     area : ndarray, shape (ny, nx), float64
-        m²; 0 where the bin lies wholly outside a disk or in a sphere's port.
+        m²; 0 where the bin lies wholly outside a disk or in a sphere's port; on a cylinder the same
+        for all bins.
     bins : MapBins
         What the bins are.
     """
@@ -82,7 +83,7 @@ class IrradianceMap:
 
     @property
     def y_edges(self) -> NDArray[np.float64]:
-        """Edges of the rows, shape (ny + 1,): v in metres, or cos θ."""
+        """Edges of the rows, shape (ny + 1,): v in metres, cos θ, or w in metres on a cylinder."""
         return self.bins.y.axis.edges
 
     @property
@@ -92,7 +93,7 @@ class IrradianceMap:
 
     @property
     def y_name(self) -> str:
-        """What the rows run in, ``v`` or ``cos_theta``."""
+        """What the rows run in, ``v``, ``cos_theta``, or ``w`` on a cylinder."""
         return self.bins.y.axis.name
 
     @property

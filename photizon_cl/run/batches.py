@@ -250,11 +250,13 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
 def _no_batch(compiled: CompiledScene, clock: Clock) -> str:
     run = compiled.settings
     advice = "lower rays_per_batch or raise max_seconds"
-    if "splitting" in compiled.effects:
+    splitter = next((e.name for e in compiled.scene.element if e.surface.splits), None)
+    if splitter is not None:
         advice = (
-            "every split makes two rays of one, and between Fresnel surfaces and reflecting ones "
-            f"nothing ends them before the generation cap of {run.generation_cap}: set "
-            f"roulette_floor (1e-6, say) or lower generation_cap; else {advice}"
+            f'every hit on a surface that splits, as that of "{splitter}" does, makes two rays of '
+            "one, and where they come back to such a surface nothing may end them before the "
+            f"generation cap of {run.generation_cap}: set roulette_floor (1e-6, say) or lower "
+            f"generation_cap; else {advice}"
         )
     return (
         f"not one batch of {run.rays_per_batch} rays ended within {clock.elapsed():.0f} s "

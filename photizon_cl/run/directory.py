@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ARRAYS",
     "CHECKPOINT",
+    "REPORT",
     "open_directory",
     "prepare_target",
     "read",
@@ -40,6 +41,8 @@ ARRAYS: Final = "result.nc"
 """The file that is the result."""
 CHECKPOINT: Final = "checkpoint.nc"
 """The file of a run that is under way, or was killed."""
+REPORT: Final = "report.html"
+"""The file of the report, where it is one of ours."""
 
 
 def _tally_file(effect: str) -> str:
@@ -93,7 +96,10 @@ def _check_target(path: str | os.PathLike[str], result: Estimates) -> tuple[Path
         if isinstance(error, ResultError):
             raise
         raise ResultError(f"{shown} cannot be used: {reason(error)}") from None
-    if there and ARRAYS not in there and not there <= _OURS:
+    others = there - _OURS if ARRAYS not in there else set()
+    if REPORT in others and _is_report(folder / REPORT):
+        others.remove(REPORT)
+    if others:
         raise ResultError(
             f"{shown} holds files and no photizon result: give a new or empty directory, so that "
             "nothing is overwritten"
@@ -222,7 +228,8 @@ def save(
         with replacing(folder / "summary.json") as temporary:
             text = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False)
             temporary.write_text(text + "\n", encoding="utf-8")
-        _drop_report(folder / "report.html")
+        if _is_report(folder / REPORT):  # of the result before; nobody else's page
+            (folder / REPORT).unlink()
         drawn = _draw(result, folder / "figures", formats) if figures else set()
         for name in stale - drawn:
             (folder / "figures" / name).unlink(missing_ok=True)
@@ -230,14 +237,13 @@ def save(
         raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from error
 
 
-def _drop_report(page: Path) -> None:
-    """Remove the report of the result before; nobody else's page."""
+def _is_report(page: Path) -> bool:
+    """Say whether a file is there and one of our reports."""
     if not page.is_file():
-        return
+        return False
     from photizon_cl.views.report.writing import is_report
 
-    if is_report(page):
-        page.unlink()
+    return is_report(page)
 
 
 def _draw(result: Estimates, folder: Path, formats: str | Sequence[str]) -> set[str]:

@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.errors import ResultError
-from photizon_cl.run.directory import ARRAYS, open_directory
+from photizon_cl.run.directory import ARRAYS, REPORT, open_directory
 
 if TYPE_CHECKING:
     from photizon_cl.views.report.writing import Written
 
 __all__ = ["write_report"]
 
-NAME: Final = "report.html"
 _AGAIN: Final = "run the scene again, into another directory, to have a whole one"
 
 
@@ -48,4 +47,4 @@ def write_report(
     from photizon_cl.views.report.writing import write_page  # matplotlib, not for a wrong path
 
     home = given if given.is_dir() else given.parent
-    return write_page(result, home, home / NAME if out is None else Path(os.fsdecode(out)))
+    return write_page(result, home, home / REPORT if out is None else Path(os.fsdecode(out)))

@@ -21,7 +21,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Line = NDArray[np.float64]
-    """Points of a polyline, shape (k, 2) in a plane or (k, 3)."""
+    """Points of a polyline in metres, shape (k, 2) in a plane or (k, 3)."""
+    Values = NDArray[np.float64]
+    """A number for each of k places, shape (k,)."""
+    Rows = NDArray[np.float64]
+    """Axes of a drawing, shape (3, 3), or one of them, shape (3,)."""
 
 __all__ = ["Ball", "Circular", "Face", "Outline", "Plane", "Rectangular", "Revolved", "Straight"]
 
@@ -79,11 +83,11 @@ class Outline:
         """Return the outline as a closed polyline, shape (k, 2), a corner twice."""
 
     @abstractmethod
-    def towards(self, angles: Line) -> Line:
-        """Return its points in some directions from the centre, shape (k, 2)."""
+    def towards(self, angles: Values) -> Line:
+        """Return its points in some directions from the centre, in radians, shape (k, 2)."""
 
     @abstractmethod
-    def sketch(self, rows: Line) -> Line:
+    def sketch(self, rows: Rows) -> Line:
         """Return a polyline for small drawings around the centre, shape (k, 3), of axes (3, 3)."""
 
 
@@ -109,13 +113,13 @@ class Rectangular(Outline):
         corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)]
         return np.array([(self.half_u * a, self.half_v * b) for a, b in corners])
 
-    def towards(self, angles: Line) -> Line:  # noqa: D102
+    def towards(self, angles: Values) -> Line:  # noqa: D102
         along = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         with np.errstate(divide="ignore"):
             steps = np.array(self.core) / np.abs(along)
         return np.asarray(along * steps.min(axis=1, keepdims=True))
 
-    def sketch(self, rows: Line) -> Line:  # noqa: D102
+    def sketch(self, rows: Rows) -> Line:  # noqa: D102
         return np.asarray(self.rim() @ rows[:2])
 
 
@@ -139,14 +143,14 @@ class Circular(Outline):
     def rim(self) -> Line:  # noqa: D102
         return self.towards(_TURN)
 
-    def towards(self, angles: Line) -> Line:  # noqa: D102
+    def towards(self, angles: Values) -> Line:  # noqa: D102
         return np.stack([self.radius * np.cos(angles), self.radius * np.sin(angles)], axis=1)
 
-    def sketch(self, rows: Line) -> Line:  # noqa: D102
+    def sketch(self, rows: Rows) -> Line:  # noqa: D102
         return _ring(self.radius, rows[0], rows[1])
 
 
-def _ring(radius: float, a: Line, b: Line) -> Line:
+def _ring(radius: float, a: Rows, b: Rows) -> Line:
     return np.asarray(radius * (np.outer(np.cos(_SKETCH), a) + np.outer(np.sin(_SKETCH), b)))
 
 
@@ -173,10 +177,21 @@ class Face:
     def touches(self, local: Vec3, slack: float, reach: float = 0.0) -> bool:
         """Say whether a local point lies on the face, see `Element.touches`."""
 
-    def hidden(self, local: Vec3, radius: float, *, plus: bool) -> bool:
+    def hidden(self, local: Vec3, radius: float, *, plus: bool, passed: bool) -> bool:
         """Say whether no straight line from within `radius` of a point meets one side of the face.
 
-        False where that is not known. `plus` is the side that the element's normal points to.
+        False where that is not known.
+
+        Parameters
+        ----------
+        local : tuple of float
+            The point in local coordinates, in metres.
+        radius : float
+            Around it, in metres.
+        plus : bool
+            Whether the side is the one that the element's normal points to.
+        passed : bool
+            Whether lines go on behind the face; else they end where they meet it.
         """
         return False
 
@@ -219,7 +234,7 @@ class Plane(Face):
             return False
         return hole is None or not hole.holds(x, y, reach + slack)
 
-    def hidden(self, local: Vec3, radius: float, *, plus: bool) -> bool:  # noqa: D102
+    def hidden(self, local: Vec3, radius: float, *, plus: bool, passed: bool) -> bool:  # noqa: D102
         height = self.sense * self.within(local)[2]
         return height + radius <= 0.0 if plus else height - radius >= 0.0
 
@@ -228,7 +243,7 @@ class Plane(Face):
         (u, v, _), x, y = np.array(self.frame), plane[:, :1], plane[:, 1:]
         return np.asarray(np.array(self.centre) + (x * u + y * v))
 
-    def sketch(self, rows: Line) -> list[Line]:
+    def sketch(self, rows: Rows) -> list[Line]:
         """Return lines that show it around its centre, for axes (3, 3) in the world."""
         return [part.sketch(rows) for part in (self.outline, self.hole) if part is not None]
 
@@ -243,10 +258,10 @@ class Revolved(Face):
     """A surface of revolution about the local axis; subclasses give its profile."""
 
     @abstractmethod
-    def profile(self, s: Line) -> tuple[Line, Line]:
-        """Return radius and height in metres at some places from 0 to 1 along the profile.
+    def profile(self, s: Values) -> tuple[Values, Values]:
+        """Return radius and height in metres, each shape (k,), at k places along the profile.
 
-        The height goes up or down all the way.
+        Places are numbers from 0 to 1. The height goes up or down all the way.
         """
 
     def place_at(self, height: float) -> float:
@@ -319,7 +334,7 @@ class Straight(Revolved):
     radii: tuple[float, float]
     length: float
 
-    def profile(self, s: Line) -> tuple[Line, Line]:  # noqa: D102
+    def profile(self, s: Values) -> tuple[Values, Values]:  # noqa: D102
         low, high = self.radii
         return low + s * (high - low), s * self.length
 
@@ -361,7 +376,7 @@ class Ball(Revolved):
     def _cosines(self) -> tuple[float, float]:
         return math.cos(self.polar[1]), math.cos(self.polar[0])
 
-    def profile(self, s: Line) -> tuple[Line, Line]:  # noqa: D102
+    def profile(self, s: Values) -> tuple[Values, Values]:  # noqa: D102
         first, last = self.polar
         theta = first + s * (last - first)
         # sin π is not 0 in floating point; a radius is never negative
@@ -379,11 +394,13 @@ class Ball(Revolved):
         centre = math.hypot(local[0], local[1], local[2] - self.height)
         return centre + radius < self.radius
 
-    def hidden(self, local: Vec3, radius: float, *, plus: bool) -> bool:  # noqa: D102
+    def hidden(self, local: Vec3, radius: float, *, plus: bool, passed: bool) -> bool:  # noqa: D102
         if not self.whole:
             return False
         if plus == (self.sense > 0.0):
-            return self.holds(local, radius)
+            return self.holds(local, radius)  # a line that leaves a ball does not come back
+        if passed:
+            return False  # one that goes in meets the inside where it leaves
         return math.hypot(local[0], local[1], local[2] - self.height) - radius > self.radius
 
     def rim_sine(self, centre: Vec3, normal: Vec3, radius: float, room: float) -> float | None:  # noqa: D102
@@ -394,7 +411,7 @@ class Ball(Revolved):
             return None
         return min(radius / self.radius, 1.0)
 
-    def sketch(self, rows: Line) -> list[Line]:
+    def sketch(self, rows: Rows) -> list[Line]:
         """Return lines that show it around its centre, for axes (3, 3) in the world."""
         u, v, w = rows
         return [_ring(self.radius, a, b) for a, b in ((u, v), (v, w), (w, u))]

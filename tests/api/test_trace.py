@@ -15,9 +15,12 @@ import numpy as np
 import pytest
 
 import photizon_cl as pz
+from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.ledger import check_batch
-from photizon_cl.result.stopping import LEAST_BATCHES
+from photizon_cl.result.stopping import LEAST_BATCHES, Goal
+from photizon_cl.run.batches import _no_batch
 from photizon_cl.run.distribution import run_task
+from photizon_cl.run.progress import Clock
 
 QUICK = 2048
 
@@ -201,6 +204,21 @@ def test_time_runs_out():
     assert any("target was not met" in text for text in result.advisories)
     shortest = pz.trace("integrating-sphere", batches=50, max_seconds=1e-9, rays_per_batch=QUICK)
     assert shortest.batches == 1
+
+
+def test_a_run_without_a_batch_names_what_splits():
+    def told(surface):
+        ball = pz.Sphere(name="ball", position=(0, 0, 0), axis="+z", radius=1, surface=surface)
+        lamp = pz.IsotropicPoint(name="lamp", flux=1, position=(0, 0, 0))
+        scene = pz.Scene(name="lone", source=(lamp,), element=(ball,))
+        run = dataclasses.replace(scene.run, generation_cap=60)
+        return _no_batch(compile_scene(scene, run), Clock(Goal(None, 0.1, 5.0), 0))
+
+    text = told(pz.Mixed(specular=0.5, diffuse=0.5))
+    assert 'a surface that splits, as that of "ball" does' in text
+    assert "generation cap of 60: set roulette_floor" in text
+    assert "Fresnel" not in text
+    assert told(pz.Mirror(1.0)).endswith("report: lower rays_per_batch or raise max_seconds")
 
 
 def test_ctrl_c_ends_the_run_with_what_is_there():

@@ -86,6 +86,19 @@ def test_other_files_are_not_replaced(saved, tmp_path, capsys):
     assert not [name for name in listing(saved) if name.startswith(".")]
 
 
+def test_a_report_is_a_file_of_ours_where_the_arrays_are_removed(results, saved):
+    assert main(["report", str(saved)]) == 0
+    (saved / "result.nc").unlink()  # as the message says that keeps the longer result
+    results["empty"].save(saved, figures=False)
+    assert "report.html" not in listing(saved)  # it was the other result's
+    assert "result.nc" in listing(saved)
+    (saved / "result.nc").unlink()
+    (saved / "report.html").write_text("<p>my notes</p>", encoding="utf-8")
+    with pytest.raises(pz.ResultError, match="holds files and no photizon result"):
+        results["empty"].save(saved, figures=False)
+    assert (saved / "report.html").read_text(encoding="utf-8") == "<p>my notes</p>"
+
+
 def test_what_is_no_result_is_refused(saved, tmp_path, capsys):
     assert "is not there: give the directory" in refused(capsys, tmp_path / "nowhere")
     (tmp_path / "empty").mkdir()

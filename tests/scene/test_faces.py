@@ -138,18 +138,20 @@ def test_the_hole_of_a_plane() -> None:
 
 def test_what_a_side_is_hidden_from() -> None:
     plane, ball = Plane(name="f", outline=Circular(1.0)), Ball(name="b", radius=1.0)
-    assert plane.hidden((0.0, 0.0, -0.5), 0.4, plus=True)
-    assert not plane.hidden((0.0, 0.0, -0.5), 0.6, plus=True)
-    assert plane.hidden((0.0, 0.0, 0.5), 0.4, plus=False)
-    assert not plane.hidden((0.0, 0.0, 0.5), 0.4, plus=True)
-    assert ball.hidden((0.0, 0.0, 0.5), 0.4, plus=True)
-    assert ball.hidden((0.0, 0.0, 1.5), 0.4, plus=False)
-    assert not ball.hidden((0.0, 0.0, 0.5), 0.4, plus=False)
+    assert plane.hidden((0.0, 0.0, -0.5), 0.4, plus=True, passed=False)
+    assert not plane.hidden((0.0, 0.0, -0.5), 0.6, plus=True, passed=False)
+    assert plane.hidden((0.0, 0.0, 0.5), 0.4, plus=False, passed=False)
+    assert not plane.hidden((0.0, 0.0, 0.5), 0.4, plus=True, passed=False)
+    assert ball.hidden((0.0, 0.0, 0.5), 0.4, plus=True, passed=False)
+    assert ball.hidden((0.0, 0.0, 1.5), 0.4, plus=False, passed=False)
+    assert not ball.hidden((0.0, 0.0, 1.5), 0.4, plus=False, passed=True)  # through it
+    assert ball.hidden((0.0, 0.0, 0.5), 0.4, plus=True, passed=True)
+    assert not ball.hidden((0.0, 0.0, 0.5), 0.4, plus=False, passed=False)
     assert not Ball(name="z", radius=1.0, polar=(0.5, math.pi)).hidden(
-        (0.0, 0.0, 0.5), 0.4, plus=True
+        (0.0, 0.0, 0.5), 0.4, plus=True, passed=False
     )
     inward = Ball(name="b", radius=1.0, sense=-1.0)
-    assert inward.hidden((0.0, 0.0, 0.5), 0.4, plus=False)
+    assert inward.hidden((0.0, 0.0, 0.5), 0.4, plus=False, passed=False)
 
 
 # -- elements that no file of the product knows --------------------------------------------------

@@ -262,6 +262,60 @@ def test_detector_that_faces_away():
     assert len(advisories([point(0, 0, 0)], [outside])) == 1
 
 
+def through(element, z=3.0, axis="-z"):
+    beam = pz.CollimatedDisk(name="b", flux=1, position=(0, 0, z), axis=axis, radius=0.1)
+    scene = pz.Scene(name="through", source=(beam,), element=(element,))
+    read = pz.trace(scene, batches=2, rays_per_batch=64)
+    assert set(pz.advisories(scene)) <= set(read.advisories)
+    return read.detectors[element.name].power.value, " ".join(read.advisories)
+
+
+@pytest.mark.parametrize("side", ["inside", "outside"])
+@pytest.mark.parametrize("z", [3.0, 0.0])
+def test_a_detector_on_a_closed_face_that_light_passes(side, z):
+    power, said = through(ball(pz.Clear(), detector=pz.Detector(side=side)), z)
+    assert power == (0.0 if (side, z) == ("outside", 0.0) else 1.0)
+    assert ("will read zero" in said) == (power == 0.0)
+
+
+@pytest.mark.parametrize("side", ["front", "back"])
+@pytest.mark.parametrize("surface", [BLACK, pz.Clear()], ids=["absorber", "clear"])
+def test_a_detector_on_a_plane_face_that_light_passes_or_not(side, surface):
+    power, said = through(plate(surface, detector=pz.Detector(side=side)))
+    assert power == (side == "front")
+    assert ("will read zero" in said) == (side == "back")
+
+
+def test_what_turns_light_may_light_a_detector_from_anywhere():
+    class Diffuser(pz.Clear):  # light goes through, in other directions
+        counts = True
+
+    away = plate(axis="-z", detector=pz.Detector())
+    veil = plate(Diffuser(), z=-2.0, name="veil")
+    assert advisories([point(0, 0, 1)], [away, veil]) == []
+    (line,) = advisories([point(0, 0, 1)], [away, plate(pz.Clear(), z=-2.0, name="veil")])
+    assert "will read zero" in line
+
+
+def test_the_side_that_a_detector_counts_by_the_normals_of_its_kind():
+    class Bowl(pz.Sphere):  # a ball whose normals point to its inside
+        traits = pz.Sphere.traits | {"inward"}
+
+        @property
+        def faces(self):
+            return tuple(dataclasses.replace(face, sense=-1.0) for face in super().faces)
+
+    for side, z in (("inside", 3), ("outside", 0)):
+        bowl = Bowl(name="bowl", position=(0, 0, 0), axis="+z", radius=1, surface=BLACK,
+                    detector=pz.Detector(side=side))  # fmt: skip
+        assert bowl.detector_plus == (side == "inside")
+        assert len(advisories([point(0, 0, z)], [bowl])) == 1
+        assert advisories([point(0, 0, 3 - z)], [bowl]) == []
+    for side in ("front", "back"):
+        assert plate(detector=pz.Detector(side=side)).detector_plus == (side == "front")
+    assert not plate().detector_plus
+
+
 def test_generation_cap_that_cuts_a_sphere():
     sphere = ball(pz.Lambertian(0.9), port_fraction=0.05)
     (line,) = advisories([point(0, 0, 0)], [sphere])

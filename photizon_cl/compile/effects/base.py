@@ -1,7 +1,8 @@
 """What all effects share.
 
 An effect is a named piece of physics or bookkeeping that costs time on the device. A scene compiles
-exactly the effects that it needs; forcing one on changes no bit of the answer.
+exactly the effects that it needs; forcing one on changes no other number: one with cells or rows of
+its own adds those.
 """
 
 from __future__ import annotations

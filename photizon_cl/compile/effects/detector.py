@@ -65,7 +65,7 @@ class Detector(Effect):
     def _integers(self, draft: Draft, d: DetectorCells) -> list[int]:
         element = draft.scene.element[d.element]
         widest = max((len(form.filters) for form in draft.forms), default=0)
-        out = [int(element.detector_side in ("front", element.plus_side)), d.power, len(d.tallies)]
+        out = [int(element.detector_plus), d.power, len(d.tallies)]
         for tally in d.tallies:
             row = [draft.form_of(tally.filters), tally.first]
             for item in tally.filters:

@@ -1,4 +1,4 @@
-"""Detectors: what is counted on an absorbing element."""
+"""Detectors: what is counted of what ends on an element or passes it."""
 
 from photizon_cl.scene.detectors.detector import MAX_BINS, MAX_GENERATIONS, SIDES, Detector
 

@@ -1,4 +1,4 @@
-"""The detector that an absorbing element can carry."""
+"""The detector that an element can carry where light ends on its surface or passes it."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class Detector(Described):
         G entries of the ladder, 1 … 4096. Entry g is the power (W) that arrived after g surface
         interactions; the last one collects g ≥ G − 1.
     side : str, optional
-        ``"front"`` (arrivals against the normal) or ``"back"`` of a flat element, ``"inside"`` or
-        ``"outside"`` of a curved one; None takes the element's default.
+        ``"front"`` (arrivals against the normal) or ``"back"`` (along it) of a flat element,
+        ``"inside"`` or ``"outside"`` of a curved one; None takes the element's default.
     """
 
     label: ClassVar[str] = "detector"

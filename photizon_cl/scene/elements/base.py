@@ -31,7 +31,7 @@ _FACES = ("faces", "outline")  # what is cached of an element's faces
 
 @dataclass(frozen=True, kw_only=True)
 class Element(Described):
-    """A piece of geometry with one surface and, where that is an absorber, perhaps a detector.
+    """A piece of geometry with one surface and, where that carries one, perhaps a detector.
 
     Parameters
     ----------
@@ -46,7 +46,8 @@ class Element(Described):
     surface : Surface
         What a ray that hits it does.
     detector : Detector, optional
-        On absorbers only.
+        What is counted of what arrives; only on a surface that carries one (`carries_detector`):
+        one where light ends, or that it passes.
     """
 
     label: ClassVar[str] = "element"
@@ -162,6 +163,11 @@ class Element(Described):
         if self.detector is None:
             return None
         return self.detector.side or self.default_side
+
+    @property
+    def detector_plus(self) -> bool:
+        """Whether the side that the detector counts is the one that the normals point to."""
+        return self.detector_side in ("front", self.plus_side)
 
     @property
     def plus_side(self) -> str:

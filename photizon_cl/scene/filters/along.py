@@ -54,7 +54,7 @@ class Along(Filter):
         return self.component
 
     def device_edges(self) -> list[float]:
-        """Return the edges in metres, each rounded once."""
+        """Return the n + 1 edges of n bins in metres, ascending, each rounded once."""
         return even_edges(self.low, self.high, self.bins)
 
 

@@ -35,5 +35,5 @@ class Azimuth(Filter):
         )
 
     def device_edges(self) -> list[float]:
-        """Return cosine and sine of each bin's lower edge."""
+        """Return cosine and sine of each bin's lower edge, one after the other: 2n for n bins."""
         return azimuth_edges(self.bins)

@@ -73,5 +73,9 @@ class Filter(ABC):
         return ""
 
     def device_edges(self) -> list[float]:
-        """Return the edges that its kernel is given."""
+        """Return the numbers that its kernel is given, in the kernel's layout; here none.
+
+        `Along` has n + 1 edges in metres, ascending; `Azimuth` 2n cosines and sines by turns;
+        `Generation`, where a bin is a number of interactions, none.
+        """
         return []

@@ -12,7 +12,7 @@ from photizon_cl.scene.surfaces.base import Surface
 class Absorber(Surface):
     """A black surface: the whole weight of every arrival ends here, from either side.
 
-    The only surface that can carry a detector. It makes no draw and takes no parameter.
+    It can carry a detector. It makes no draw and takes no parameter.
     """
 
     kind: ClassVar[str] = "absorber"
