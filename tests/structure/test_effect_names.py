@@ -37,7 +37,6 @@ LEFT = {
     "contact": {f"kernels/{stem}.mako" for stem in KERNELS["contact"]},
     "acceleration": {f"kernels/{stem}.mako" for stem in KERNELS["acceleration"]}
     | {"hostcode/device/opened.py"},
-    "splitting": {"photizon_cl/run/batches.py"},
     "roulette": {
         "photizon_cl/result/ledger.py", "photizon_cl/result/paths.py",
         "photizon_cl/views/report/claims.py", "photizon_cl/views/report/tables.py",
