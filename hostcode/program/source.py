@@ -49,10 +49,10 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
         parts += [(name, {"cls": cls}) for name in (*cls.templates, "lib/meet")]
     names = [*at("search"), "lib/faces", "lib/nearest", "lib/locate", "lib/ledger", "lib/event"]
     names.append("lib/directions")
-    names += [f"surfaces/{surface.kind}" for surface in spec.surfaces]
-    if spec.records:
-        names += ["lib/cells", "lib/bins"]
     parts += [(name, {}) for name in names]
+    parts += [(f"surfaces/{kind.kind}", {"surface": kind}) for kind in spec.surfaces]
+    if spec.records:
+        parts += [(name, {}) for name in ("lib/cells", "lib/bins")]
     if spec.records:
         filters = dict.fromkeys(entry for form in spec.forms for entry in form.filters)
         parts += [(f"filters/{stem}", {"option": option}) for stem, option in filters]

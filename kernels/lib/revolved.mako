@@ -47,7 +47,8 @@ FN mask within_${cls.suffix}(__global const double *row, local_${cls.suffix} r, 
     // what is farther away than the wall is not at its rims
     near += fmin((fabs(x) + fabs(y) + fabs(z)) * R(4.0 * UNIT_ROUNDOFF), splat(row[REVOLVED_MOST] - row[REVOLVED_NEAR]));
     const real rise = R(0.5) * near * (steepness_${cls.suffix}(row, x, y, z) + near);
-    const real slide = rise * s / fma(s, s, R(0.5) * fabs(a) * rise);
+    // rise s / (s^2 + |a| rise / 2), without a product of three lengths, which may leave the range
+    const real slide = rise / fma(R(0.5) * fabs(a), rise / s, s);
     return in_rims_${cls.suffix}(row, x, y, z, fma(slide, fabs(r.dz), near),
                                  fma(slide, fabs(r.dx) + fabs(r.dy), near));
 }

@@ -1,3 +1,4 @@
+## surface: the kind, whose .splits says whether any of its elements has both children
 // Mixed: a mirror child and a Lambertian child; what neither takes is absorbed.
 // The smaller child has no more than the larger one leaves, a difference that is exact where it matters:
 // no rounding absorbs less than nothing.
@@ -15,7 +16,7 @@ FN void meet_mixed(const encounter_t *event, const material_t *material, outcome
     const mask specular = GT(w_specular, splat(0.0));
     send_on(outcome, event->m, ${point("mixed.first", "SEL(specular, sx, x)")}, SEL(specular, sy, y), SEL(specular, sz, z),
             SEL(specular, w_specular, w_diffuse));
-% if splits:
+% if surface.splits:
     send_second(outcome, event->m & specular & GT(w_diffuse, splat(0.0)), x, y, z, w_diffuse);
 % endif
 }
