@@ -21,6 +21,7 @@ import math
 import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from fractions import Fraction
 from numbers import Integral, Real
 from typing import Any, Final
 
@@ -239,6 +240,12 @@ class Text(Parameter):
         if any(unicodedata.category(c) in ("Cc", "Cs") and c not in "\t\n\r" for c in value):
             return self.refuse(value, path, problems, "it holds a control character")
         return str(value)
+
+
+def power_of_ten(value: Fraction) -> str:
+    """Return a positive number, whatever its size, as text to within a factor of ten."""
+    digits = len(str(int(value))) - 1 if value >= 1 else -len(str(int(1 / value)))
+    return f"about 1e{digits}"
 
 
 def _not_a_number(value: object) -> str:
