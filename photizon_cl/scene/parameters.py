@@ -21,6 +21,7 @@ import math
 import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from decimal import Decimal
 from fractions import Fraction
 from numbers import Integral, Real
 from typing import Any, Final
@@ -242,10 +243,9 @@ class Text(Parameter):
         return str(value)
 
 
-def power_of_ten(value: Fraction) -> str:
-    """Return a positive number, whatever its size, as text to within a factor of ten."""
-    digits = len(str(int(value))) - 1 if value >= 1 else -len(str(int(1 / value)))
-    return f"about 1e{digits}"
+def about(value: Fraction) -> str:
+    """Return a number, beyond the range of doubles too, as text with three digits."""
+    return f"about {Decimal(value.numerator) / Decimal(value.denominator):.2e}"
 
 
 def _not_a_number(value: object) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.revolved import RevolvedWall
 from photizon_cl.scene.faces import Revolved
-from photizon_cl.scene.parameters import LARGEST, number, positive_length, power_of_ten
+from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
@@ -178,7 +178,7 @@ class Conic(RevolvedWall):
                         "aperture_radius",
                         show(aperture),
                         f"an aperture of a sheet at most {LARGEST:g} m high",
-                        hint=f"its sag would be {power_of_ten(high)} m; take a smaller aperture",
+                        hint=f"its sag would be {about(high)} m; take a smaller aperture",
                     )
                 )
         if inner is not None and aperture is not None and inner >= aperture:
