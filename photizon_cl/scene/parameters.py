@@ -22,12 +22,14 @@ import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from decimal import Decimal
-from fractions import Fraction
 from numbers import Integral, Real
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.frames import AXES
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 BAD: Final = object()
 """What `Parameter.read` returns for a value that was refused."""

@@ -241,8 +241,8 @@ class Conic(RevolvedWall):
     def area(self) -> float:
         """Area of one side in m².
 
-        2πr·ds = 2π sqrt(R² − k r²) dw with r² = w(2R − κw), by Gauss-Legendre quadrature in pieces that halve towards
-        both rims, near which the root may turn sharply.
+        2πr·ds = 2π sqrt(R² − k r²) dw with r² = w(2R − κw), by Gauss-Legendre quadrature
+        in pieces that halve towards both rims, near which the root may turn sharply.
         """
         (low, high), radius = self.heights, self.curvature_radius
         halves = 0.5 ** np.arange(1.0, 31.0)
