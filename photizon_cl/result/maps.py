@@ -58,7 +58,8 @@ class IrradianceMap:
     Parameters
     ----------
     irradiance : ndarray, shape (ny, nx), float64
-        W/m²: power of the bin over its exact area; NaN where the bin has none.
+        W/m²: power of the bin over its exact area; NaN where the bin has none, infinite where it
+        leaves the range of doubles.
     sigma : ndarray, shape (ny, nx), float64
         Standard error of the irradiance in W/m²; NaN with a single batch and where masked.
     count : ndarray, shape (ny, nx), int64
@@ -142,9 +143,11 @@ class IrradianceMap:
         here = np.where(area == 0.0, np.nan, area)
         power = tally.mean(d.map, n).reshape(shape) * compiled.unit_power
         error = tally.standard_error(d.map, n).reshape(shape) * compiled.unit_power
+        with np.errstate(over="ignore"):  # the largest power on the least bin: it is infinite
+            irradiance, sigma = power / here, error / here
         return cls(
-            power / here,
-            error / here,
+            irradiance,
+            sigma,
             tally.count[d.map : d.map + n].reshape(shape).copy(),
             area,
             bins,

@@ -37,7 +37,8 @@ def zone_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArray
     edges = [Fraction(2 * j - ny, ny) for j in range(ny + 1)]
     heights = [float(min(b, rim) - a) for a, b in pairwise(edges)]
     # 0.3 is not quite three tenths in binary: what the rounding of the rim leaves of a zone is none
-    heights = [h if h > _RIM else 0.0 for h in heights]
+    # except of the first, in which all of a wall may be
+    heights[1:] = [h if h > _RIM else 0.0 for h in heights[1:]]
     rows = np.array(heights) * (2.0 * math.pi / nx * radius * radius)
     return np.repeat(rows[:, np.newaxis], nx, axis=1)
 

@@ -261,7 +261,7 @@ class Revolved(Face):
     def profile(self, s: Values) -> tuple[Values, Values]:
         """Return radius and height in metres, each shape (k,), at k places along the profile.
 
-        Places are numbers from 0 to 1. The height goes up or down all the way.
+        Places are numbers from 0 to 1, which are the rims. The height goes up or down all the way.
         """
 
     def place_at(self, height: float) -> float:
@@ -280,9 +280,22 @@ class Revolved(Face):
         heights = self.profile(np.array([0.0, 1.0]))[1]
         if not heights.min() - slack <= z <= heights.max() + slack:
             return False
-        at = np.array([self.place_at(z)])
-        radius = float(self.profile(at)[0][0])
-        return abs(math.hypot(x, y) - radius) * self._sine(float(at[0])) <= slack
+        return self.apart(math.hypot(x, y), z) <= slack
+
+    def apart(self, radius: float, height: float) -> float:
+        """Return the distance in metres of a circle about the axis from the face.
+
+        To first order, and that of its nearer end for a height beyond either.
+        """
+        place = self.place_at(height)
+        return abs(float(self.profile(np.array([place]))[0][0]) - radius) * self._sine(place)
+
+    def sine_at(self, radius: float, height: float, room: float) -> float:
+        """Return the sine of the angle between the face and the plane of a circle that lies on it.
+
+        `room` is the distance in metres that counts as none.
+        """
+        return self._sine(self.place_at(height))
 
     def _sine(self, place: float) -> float:
         """Return the sine of the angle between the profile and the plane across the axis."""
@@ -313,10 +326,9 @@ class Revolved(Face):
         heights = self.profile(np.array([0.0, 1.0]))[1]
         if not heights.min() - room <= centre[2] <= heights.max() + room:
             return None
-        place = self.place_at(centre[2])
-        sine = self._sine(place)
-        off = abs(float(self.profile(np.array([place]))[0][0]) - radius)
-        return sine if off * sine <= room else None
+        if self.apart(radius, centre[2]) > room:
+            return None
+        return self.sine_at(radius, centre[2], room)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -336,7 +348,8 @@ class Straight(Revolved):
 
     def profile(self, s: Values) -> tuple[Values, Values]:  # noqa: D102
         low, high = self.radii
-        return low + s * (high - low), s * self.length
+        # not low + s (high − low), which loses a narrow end beside a wide one
+        return low * (1.0 - s) + high * s, s * self.length
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -403,13 +416,17 @@ class Ball(Revolved):
             return False  # one that goes in meets the inside where it leaves
         return math.hypot(local[0], local[1], local[2] - self.height) - radius > self.radius
 
+    def sine_at(self, radius: float, height: float, room: float) -> float:  # noqa: D102
+        # at the pole the face leaves a plane across by `room` only after a distance
+        return min(max(radius, math.sqrt(room) * math.sqrt(self.radius)) / self.radius, 1.0)
+
     def rim_sine(self, centre: Vec3, normal: Vec3, radius: float, room: float) -> float | None:  # noqa: D102
         offset = (centre[0], centre[1], centre[2] - self.height)
         height = sum(a * b for a, b in zip(offset, normal, strict=True))
         aside = math.hypot(*(a - height * b for a, b in zip(offset, normal, strict=True)))
         if aside > room or abs(math.hypot(height, radius) - self.radius) > room:
             return None
-        return min(radius / self.radius, 1.0)
+        return self.sine_at(radius, height, room)
 
     def sketch(self, rows: Rows) -> list[Line]:
         """Return lines that show it around its centre, for axes (3, 3) in the world."""

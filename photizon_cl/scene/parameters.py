@@ -21,11 +21,15 @@ import math
 import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from decimal import Decimal
 from numbers import Integral, Real
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.frames import AXES
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 BAD: Final = object()
 """What `Parameter.read` returns for a value that was refused."""
@@ -239,6 +243,11 @@ class Text(Parameter):
         if any(unicodedata.category(c) in ("Cc", "Cs") and c not in "\t\n\r" for c in value):
             return self.refuse(value, path, problems, "it holds a control character")
         return str(value)
+
+
+def about(value: Fraction) -> str:
+    """Return a number, beyond the range of doubles too, as text with three digits."""
+    return f"about {Decimal(value.numerator) / Decimal(value.denominator):.2e}"
 
 
 def _not_a_number(value: object) -> str:

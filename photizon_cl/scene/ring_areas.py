@@ -47,13 +47,14 @@ def ring_areas(
     ndarray, shape (n,), float64
         In units of the outer radius squared; 0 for bins wholly within the inner circle.
     """
-    width = float(1 - Fraction(inner) / Fraction(radius))
-    r = 1.0 - width
+    ratio = Fraction(inner) / Fraction(radius)
+    # each from the exact ratio: neither follows from the other where it is far less than 1
+    r, width = float(ratio), float(1 - ratio)
     far = np.hypot(x1, y1)
     areas = _outside(x0, x1, y0, y1, r)
     areas[far <= r * (1.0 + _ROUNDING)] = 0.0
     for k in np.flatnonzero(far > 1.0).tolist():
-        areas[k] = _between((float(x0[k]), float(x1[k]), float(y0[k]), float(y1[k])), width)
+        areas[k] = _between((float(x0[k]), float(x1[k]), float(y0[k]), float(y1[k])), r, width)
     return areas
 
 
@@ -73,15 +74,16 @@ def _outside(
     b = np.maximum(np.clip(height(y0), x0, x1), a)  # and from here on below it
     ya, yb = np.clip(height(a), y0, y1), np.clip(height(b), y0, y1)
     over = (b - a) * 0.5 * ((y1 - ya) + (y1 - yb))
-    half = np.minimum(0.5 * np.hypot(b - a, yb - ya) / r, 1.0)
+    # a circle that is lost beside the bins, or whose radius is no double, has no bulge
+    chord = 0.5 * np.hypot(b - a, yb - ya)
+    half = np.minimum(np.divide(chord, r, out=np.zeros_like(chord), where=chord > 0.0), 1.0)
     bulge = 0.5 * r * r * less_sine(2.0 * np.arcsin(half))
     return np.asarray((x1 - b) * (y1 - y0) + np.maximum(over - bulge, 0.0))
 
 
-def _between(edges: Bin, width: float) -> float:
-    """Return the area of a bin between the circles of radius 1 − width and 1."""
+def _between(edges: Bin, r: float, width: float) -> float:
+    """Return the area of a bin between the circles of radius r = 1 − width and 1."""
     x0, x1, y0, y1 = edges
-    r = 1.0 - width
     low, high = math.atan2(y0, x1), math.atan2(y1, x0)
     turns = {low, high, math.atan2(y0, x0), math.atan2(y1, x1)}
     for circle in (r, 1.0):

@@ -37,6 +37,25 @@ def test_annulus_bins_add_up_to_the_annulus(nx, ny, inner):
     assert (areas == areas[:, ::-1]).all()
 
 
+@pytest.mark.parametrize("radius", [1e-150, 1.0, 1e150])
+@pytest.mark.parametrize(("nx", "ny"), [(1, 1), (4, 4), (3, 5)])
+def test_the_smallest_holes_leave_every_bin_a_number(nx, ny, radius):
+    whole = circle_areas(radius, nx, ny)
+    for ratio in (0.5, 1e-8, 2e-16, 1.2e-16, 1.1e-16, 5e-17, 1e-20, 1e-160, 1e-300, 5e-324):
+        inner = max(radius * ratio, 5e-324)
+        areas = circle_areas(radius, nx, ny, inner)
+        assert np.isfinite(areas).all()
+        assert (areas >= 0.0).all()
+        assert (areas <= whole).all()
+        want = math.pi * (radius - inner) * (radius + inner)
+        assert areas.sum() == pytest.approx(want, rel=1e-14, abs=0.0)
+
+
+def test_all_that_a_port_leaves_is_in_the_first_zone():
+    areas = zone_areas(1.0, 1.0 - 2.0**-53, 1, 3)
+    assert areas[:, 0] == pytest.approx([4.0 * math.pi * 2.0**-53, 0.0, 0.0], rel=1e-12, abs=0.0)
+
+
 def test_bins_in_the_hole_have_no_area_and_those_around_it_keep_theirs():
     whole, ring = circle_areas(1.0, 8, 8), circle_areas(1.0, 8, 8, 0.5)
     assert (ring == 0.0).sum() == 4 + 4  # in the middle, and at the corners

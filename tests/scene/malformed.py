@@ -75,6 +75,39 @@ def one(name, keys, value, path, found, expected):
     return (name, [(keys, value)], [(path, found, expected)])
 
 
+WHERE = {"name": "one", "position": [0, 0, 0], "axis": "+z", "surface": {"kind": "absorber"}}
+CONIC = {
+    **WHERE, "kind": "conic", "curvature_radius": 2.0, "conic_constant": -1.0,
+    "aperture_radius": 1.0,
+}  # fmt: skip
+CONE = {**WHERE, "kind": "cone", "entrance_radius": 1.0, "exit_radius": 0.5, "length": 1.0}
+CYLINDER = {**WHERE, "kind": "cylinder", "radius": 1.0, "length": 1.0}
+CPC = {**WHERE, "kind": "cpc", "exit_radius": 1.0, "acceptance_deg": 0.01}
+SHINES = {"name": "one", "flux": 1.0, "position": [0, 0, 0], "axis": "+z"}
+CONE_POINT = {**SHINES, "kind": "cone-point", "half_angle_deg": 10.0}
+SHINING = {**SHINES, "kind": "lambertian-rectangle", "half_width": 1.0, "half_height": 1.0}
+BEAM = {**SHINES, "kind": "collimated-disk", "radius": 1.0}
+HALF_ANGLE = "an angle from 1e-150 to 180 degrees"
+DIVERGENCE = "an angle from 0 up to but not including 90 degrees"
+
+
+def changed(table, key, value):
+    return {k: v for k, v in {**table, key: value}.items() if v is not DELETE}
+
+
+def kind(name, table, key, value, expected, path=None, found=None):
+    """Return the case of an element of a kind with one value changed."""
+    shown = found or ("nothing" if value is DELETE else str(value))
+    return (name, [(E1, changed(table, key, value))],
+            [(f"element[1].{path or key}", shown, expected)])  # fmt: skip
+
+
+def lamp(name, table, key, value, expected):
+    """Return the case of a source of a kind with one value changed."""
+    shown = "nothing" if value is DELETE else str(value)
+    return (name, [(S0, changed(table, key, value))], [(f"source[0].{key}", shown, expected)])
+
+
 CASES = [
     # --- numbers -------------------------------------------------------------------------------
     one("negative radius", (*E1, "radius"), -0.5, "element[1].radius", "-0.5", LENGTH),
@@ -183,6 +216,54 @@ CASES = [
         PORT),
     one("fresnel wall", (*E2, "port_fraction"), 0.05, "element[2].surface.kind", '"fresnel"',
         "a surface that does not refract"),
+    # --- round elements, mixed surfaces, shaped sources ----------------------------------------
+    kind("negative curvature", CONIC, "curvature_radius", -1.0, LENGTH),
+    kind("conic without aperture", CONIC, "aperture_radius", DELETE, LENGTH),
+    kind("conic constant", CONIC, "conic_constant", 1e7, "a number from -1e6 to 1e6"),
+    kind("conic constant nan", CONIC, "conic_constant", math.nan, "a number from -1e6 to 1e6"),
+    kind("hole as wide as the sheet", CONIC, "inner_radius", 1.0, "less than aperture_radius, 1.0"),
+    kind("negative hole", CONIC, "inner_radius", -0.1,
+         "a radius from 0 up to but not including aperture_radius, in metres"),
+    kind("beyond the equator", {**CONIC, "conic_constant": 3.0}, "aperture_radius", 1.5,
+         "at most R/sqrt(1 + k), 1.0"),
+    kind("sag out of range", {**CONIC, "curvature_radius": 1e-150}, "aperture_radius", 1e100,
+         "an aperture of a sheet at most 1e+150 m high"),
+    kind("map on a conic", CONIC, "detector", {"map": [2, 2]}, "no map on a conic",
+         path="detector.map", found="[2, 2]"),
+    kind("negative entrance", CONE, "entrance_radius", -1, "a radius from 0 to 1e150 in metres"),
+    kind("cone of no width", {**CONE, "entrance_radius": 0.0}, "exit_radius", 0.0,
+         "a positive radius"),
+    kind("cone of no length", CONE, "length", 0, LENGTH),
+    kind("cone too flat", {**CONE, "exit_radius": 1e10}, "length", 1e-140,
+         "at least |r1 - r0| max(r0, r1)/1e+150 m, about 1.00e-130"),
+    kind("cone of glass", CONE, "surface", {"kind": "fresnel", "index": 1.5},
+         "a surface that does not refract", path="surface.kind", found='"fresnel"'),
+    kind("cylinder of no radius", CYLINDER, "radius", 0.0, LENGTH),
+    kind("cylinder without length", CYLINDER, "length", DELETE, LENGTH),
+    kind("front of a cylinder", CYLINDER, "detector", {"side": "front"},
+         'one of "inside" "outside"', path="detector.side", found='"front"'),
+    kind("cpc out of range", CPC, "exit_radius", 1e149, "an exit whose CPC is at most 1e+150 m"),
+    one("hole as wide as the disk", (*E1, "inner_radius"), 0.5, "element[1].inner_radius", "0.5",
+        "less than radius, 0.5"),
+    one("text hole", (*E1, "inner_radius"), "0.1", "element[1].inner_radius", '"0.1"',
+        "a radius from 0 up to but not including radius, in metres"),
+    one("more than arrives", (*E1, "surface"), {"kind": "mixed", "specular": 0.6, "diffuse": 0.5},
+        "element[1].surface.diffuse", "0.5", "at most 1 - 0.6"),
+    one("negative specular", (*E1, "surface"), {"kind": "mixed", "specular": -1, "diffuse": 0.5},
+        "element[1].surface.specular", "-1", FRACTION),
+    one("mixed without diffuse", (*E1, "surface"), {"kind": "mixed", "specular": 0.5},
+        "element[1].surface.diffuse", "nothing", FRACTION),
+    lamp("no half-angle", CONE_POINT, "half_angle_deg", DELETE, HALF_ANGLE),
+    lamp("half-angle 0", CONE_POINT, "half_angle_deg", 0.0, HALF_ANGLE),
+    lamp("half-angle 181", CONE_POINT, "half_angle_deg", 181, HALF_ANGLE),
+    lamp("half-angle whose cone vanishes", CONE_POINT, "half_angle_deg", 1e-300, HALF_ANGLE),
+    lamp("flat rectangle", SHINING, "half_height", 0, LENGTH),
+    lamp("no width", SHINING, "half_width", DELETE, LENGTH),
+    lamp("radius of a rectangle", SHINING, "radius", 0.5,
+         "no such key; the source lambertian-rectangle takes"),
+    lamp("divergence 90", BEAM, "divergence_deg", 90.0, DIVERGENCE),
+    lamp("divergence -1", BEAM, "divergence_deg", -1, DIVERGENCE),
+    lamp("divergence nan", BEAM, "divergence_deg", math.nan, DIVERGENCE),
     # --- detectors -----------------------------------------------------------------------------
     one("detector on lambertian", (*E1, "detector"), {}, "element[1].detector", "{}",
         "no detector on a lambertian surface"),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.revolved import RevolvedWall
 from photizon_cl.scene.faces import Straight
-from photizon_cl.scene.parameters import LARGEST, number, positive_length
+from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
@@ -70,6 +70,16 @@ class Cone(RevolvedWall):
         if known.get("entrance_radius") == 0.0 and known.get("exit_radius") == 0.0:
             hint = "with both radii 0 nothing is left of the cone; one of them may be"
             problems.append(Problem("exit_radius", show(0.0), "a positive radius", hint=hint))
+        radii = known.get("entrance_radius"), known.get("exit_radius")
+        length = known.get("length")
+        if None not in radii and length is not None:
+            # what a ray's meeting is found from is as large as the slope times the radius
+            least = abs(Fraction(radii[1]) - Fraction(radii[0])) * max(map(Fraction, radii))
+            least /= Fraction(LARGEST)
+            if Fraction(length) < least:
+                hint = "so flat a cone leaves the range of doubles; take a disk, with a hole"
+                wanted = f"at least |r1 - r0| max(r0, r1)/{LARGEST:g} m, {about(least)}"
+                problems.append(Problem("length", show(length), wanted, hint=hint))
         return problems
 
     @classmethod

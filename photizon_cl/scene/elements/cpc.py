@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
+from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.base import Element
 from photizon_cl.scene.faces import Revolved
 from photizon_cl.scene.frames import sincos_deg
-from photizon_cl.scene.parameters import number, positive_length
+from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
@@ -93,6 +95,21 @@ class Cpc(Element):
             "an angle from 0.01 to 89.99 degrees", 0.01, 89.99, "acceptance half-angle", "deg"
         )
     )
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """Refuse an entrance or a length beyond the range of lengths."""
+        problems = super().cross_check(known)
+        exit_, angle = known.get("exit_radius"), known.get("acceptance_deg")
+        if exit_ is not None and angle is not None:
+            sine, cosine = sincos_deg(angle)
+            times = max(1.0, (1.0 + sine) * cosine / sine) / sine
+            if Fraction(exit_) * Fraction(times) > Fraction(LARGEST):
+                size = about(Fraction(exit_) * Fraction(times))
+                wanted = f"an exit whose CPC is at most {LARGEST:g} m wide and long"
+                hint = f"at this acceptance_deg it would be {size} m; take a smaller exit"
+                problems.append(Problem("exit_radius", show(exit_), wanted, hint=hint))
+        return problems
 
     @classmethod
     def wall_reason(cls, known: Known) -> str:

@@ -72,12 +72,13 @@ def centre_depth(radius: float, aperture: float) -> float:
 
 def sag(radius: float, aperture: float) -> float:
     """Return the height of the cap in metres, R − sqrt(R² − a²), without cancellation."""
-    return aperture * aperture / (radius + centre_depth(radius, aperture))
+    return aperture * (aperture / (radius + centre_depth(radius, aperture)))
 
 
 def cap_area(radius: float, aperture: float) -> float:
-    """Return the area of the cap in m², 2πR·sag."""
-    return 2.0 * math.pi * radius * sag(radius, aperture)
+    """Return the area of the cap in m², π(a² + sag²): 2πR·sag, where that may vanish."""
+    high = sag(radius, aperture)
+    return math.pi * (aperture * aperture + high * high)
 
 
 def cap(name: str, radius: float, aperture: float, sign: float) -> Ball:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from photizon_cl.scene.frames import sincos_deg
-from photizon_cl.scene.parameters import number
+from photizon_cl.scene.parameters import SMALLEST, number
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import DirectedSource
 
@@ -22,7 +22,7 @@ class ConePoint(DirectedSource):
     Parameters
     ----------
     half_angle_deg : float
-        θ in degrees, above 0 and up to 180 (the whole sphere).
+        θ in degrees, from 1e-150, below which 1 − cos θ vanishes, to 180 (the whole sphere).
     """
 
     kind: ClassVar[str] = "cone-point"
@@ -33,10 +33,9 @@ class ConePoint(DirectedSource):
 
     half_angle_deg: float = field(
         metadata=number(
-            "an angle above 0 and up to 180 degrees", 0.0, 180.0, "half-angle of the cone", "deg",
-            open_low=True,
+            "an angle from 1e-150 to 180 degrees", SMALLEST, 180.0, "half-angle of the cone", "deg"
         )
-    )  # fmt: skip
+    )
 
     @property
     def height(self) -> float:
