@@ -43,6 +43,7 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     wanted = [kind.libraries for kind in spec.classes]
     wanted += [kind.libraries for kind in spec.surfaces]
     wanted += [kind.libraries for kind in spec.sources]
+    wanted += [part.libraries for part in spec.parts]
     names += dict.fromkeys(library for libraries in wanted for library in libraries)
     parts: list[tuple[str, dict[str, Any]]] = [(name, {}) for name in names]
     for cls in spec.classes:

@@ -187,6 +187,8 @@ class EffectParts:
     templates : tuple of (str, str)
         Place in the program, one of `hostcode.program.source.PLACES`, and kernel template:
         its path below ``kernels/`` without the suffix.
+    libraries : tuple of str
+        Kernel templates that those need before them (``lib/powers``), rendered once a program.
     hooks : tuple of (str, str)
         Place in an interaction, one of `hostcode.program.source.HOOKS`, and the C statement there;
         kernels/lib/interaction.mako lists the variables in its scope.
@@ -207,6 +209,7 @@ class EffectParts:
     hit: tuple[HitField, ...] = ()
     ending: tuple[EndingField, ...] = ()
     templates: tuple[tuple[str, str], ...] = ()
+    libraries: tuple[str, ...] = ()
     hooks: tuple[tuple[str, str], ...] = ()
     launch: tuple[tuple[str, str, str], ...] = ()
     records: tuple[str, ...] = ()

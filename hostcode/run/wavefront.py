@@ -397,9 +397,10 @@ class Engine:
         flat = canonical((total + part).reshape(-1, CELL))
         total = flat.reshape(total.shape)
         # far below the overflow, which what rays pass many times could reach without a word
-        if total[:, :, 0].sum(axis=1, dtype=np.float64).max() > _FULLEST:
+        if np.abs(total[:, :, 0], dtype=np.float64).sum(axis=1).max() > _FULLEST:
             raise HostError(
                 "a batch's tally holds more than 2^31 launched weights: what rays pass or meet "
-                "very often filled it; take fewer rays_per_batch or a lower generation_cap"
+                "very often filled it, or an effect counts numbers beyond 4 at once; take fewer "
+                "rays_per_batch or a lower generation_cap, or give the effect a scale"
             )
         return total

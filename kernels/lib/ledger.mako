@@ -93,12 +93,16 @@ FN void close_ledger(ledger_t *ledger) {
 % endfor
 }
 
-// Adds weights to cells that an effect has of its own: of each lane in m its image, and one to the count,
-// to cell `first` + number.
-FN void count_weights(const ledger_t *ledger, ulong first, lint number, mask m, image_t image) {
+// Adds weights to cells that an effect has of its own: of each lane in m its w, and one to the count, to
+// cell `first` + number.  0 <= w <= 4, which the weight of a ray keeps: what is longer must be scaled
+// (Effect.scale).  A cell that was given another number is filled up, and the host ends the run.
+FN void count_weights(const ledger_t *ledger, ulong first, lint number, mask m, real w) {
+    const mask fits = GE(w, splat(0.0)) & LE(w, splat(4.0));
+    const image_t image = image_of(SEL(fits, w, splat(0.0)));
 % for l in range(lanes):
     if (${lane("m", l)}) {
         __global long *cell = ledger->tally + (first + (ulong)${lane("number", l)}) * CELL;
+        if (!${lane("fits", l)}) atom_xchg(cell, 3L << 61);
         atom_add(cell, ${lane("image.p0", l)});
         if (${lane("image.p1", l)}) atom_add(cell + 1, ${lane("image.p1", l)});
         if (${lane("image.p2", l)}) atom_add(cell + 2, ${lane("image.p2", l)});

@@ -149,7 +149,7 @@ def _print_tallies(result: Result, out: Console) -> None:
     """Print the largest rows of what each effect counts."""
     for effect, cells in result.tallies.items():
         out.print()
-        powers = [] if only_counts(cells) else [("W", "right"), ("± σ", "right")]
+        powers = [] if only_counts(cells) else [(cells.unit, "right"), ("± σ", "right")]
         rows = table((effect, "left"), *powers, ("count", "right"))
         shown, left = ranked(cells, _MOST_TALLIED)
         for label, cell in shown.items():

@@ -122,7 +122,11 @@ def compile_scene(
     layout = lay_out(
         scene,
         [row for effect, _ in used for row in effect.rows(scene)],
-        [(e.name, shape, e.labels(scene)) for e, _ in used if (shape := e.cells(scene))],
+        [
+            (e.name, shape, e.labels(scene), e.unit, e.scale(scene))
+            for e, _ in used
+            if (shape := e.cells(scene))
+        ],
     )
     draft = Draft(scene, settings, layout, recentre(scene))
     for effect, reason in used:

@@ -141,6 +141,10 @@ class CellGroup:
         Row-major.
     labels : tuple of str
         What each cell is, where results show them by name; all different.
+    unit : str
+        Of what they show.
+    scale : float
+        What a counted 1 stands for, in `unit` per watt.
 
     Raises
     ------
@@ -152,6 +156,8 @@ class CellGroup:
     first: int
     shape: tuple[int, ...]
     labels: tuple[str, ...] = ()
+    unit: str = "W"
+    scale: float = 1.0
 
     def __post_init__(self) -> None:
         """See that no cell would be shown under another's label."""
@@ -248,7 +254,7 @@ class TallyLayout:
 def lay_out(
     scene: Scene,
     rows: Iterable[LedgerRow] = (),
-    groups: Iterable[tuple[str, tuple[int, ...], tuple[str, ...]]] = (),
+    groups: Iterable[tuple[str, tuple[int, ...], tuple[str, ...], str, float]] = (),
 ) -> TallyLayout:
     """Give every quantity of a scene its cells.
 
@@ -258,8 +264,8 @@ def lay_out(
         Whose elements and detectors.
     rows : iterable of LedgerRow
         That effects add to the ledger.
-    groups : iterable of (str, tuple of int, tuple of str)
-        Effect, shape and labels of the cells that effects bring.
+    groups : iterable of (str, tuple of int, tuple of str, str, float)
+        Effect, shape, labels, unit and scale of the cells that effects bring, see `CellGroup`.
     """
     named = (*ROWS, *rows)
     cell = len(scene.element) + len(named)
@@ -275,7 +281,7 @@ def lay_out(
             cell += tallies[-1].size
         found.append(DetectorCells(n, power, tuple(tallies)))
     brought = []
-    for effect, shape, labels in groups:
-        brought.append(CellGroup(effect, cell, shape, labels))
+    for effect, shape, labels, unit, scale in groups:
+        brought.append(CellGroup(effect, cell, shape, labels, unit, scale))
         cell += brought[-1].size
     return TallyLayout(len(scene.element), named, tuple(found), tuple(brought), cell + 1)

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     import xarray as xr
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
+    from photizon_cl.result.tallies import EffectTally
 
 __all__ = ["dataset"]
 
@@ -155,9 +154,7 @@ def _far_field(far: FarFieldResult, variables: Variables, coordinates: Variables
     variables["far_field.solid_angle"] = ((), far.solid_angle, solid)
 
 
-def _tally(
-    effect: str, cells: Mapping[str, Estimate], variables: Variables, coordinates: Variables
-) -> None:
+def _tally(effect: str, cells: EffectTally, variables: Variables, coordinates: Variables) -> None:
     """Add what an effect counts, shape (labels,)."""
     at = _tally_prefix(effect)
     dim = (f"{at}.label",)
@@ -165,9 +162,9 @@ def _tally(
     labels = np.array(list(cells), dtype=object)
     coordinates[dim[0]] = (dim, labels, {**about, "long_name": "what each cell is"})
     rows = cells.values()
-    power = {**about, "units": "W", "long_name": "mean over batches"}
+    power = {**about, "units": cells.unit, "long_name": "mean over batches"}
     variables[f"{at}.power"] = (dim, np.array([row.value for row in rows]), power)
-    error = {**about, "units": "W", "long_name": "standard error"}
+    error = {**about, "units": cells.unit, "long_name": "standard error"}
     variables[f"{at}.sigma"] = (dim, np.array([_sigma(row) for row in rows]), error)
     count = {**about, "units": "1", "long_name": "counts of all batches"}
     counts = np.array([row.count for row in rows], np.int64)

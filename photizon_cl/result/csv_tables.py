@@ -7,11 +7,12 @@ import io
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import Rung
+    from photizon_cl.result.tallies import EffectTally
 
 __all__ = ["detectors_csv", "ledger_csv", "tally_csv"]
 
@@ -36,10 +37,10 @@ def detectors_csv(result: Estimates) -> str:
     return _text(("detector", "generation", "value_W", "sigma_W", "count"), rows())
 
 
-def tally_csv(cells: Mapping[str, Estimate]) -> str:
-    """Return what an effect counts: label, watts, σ in watts (empty with a single batch), count."""
+def tally_csv(cells: EffectTally) -> str:
+    """Return what an effect counts: label, value, σ (empty with a single batch), count."""
     rows = ((label, *_numbers(cell), cell.count) for label, cell in cells.items())
-    return _text(("label", "value_W", "sigma_W", "count"), rows)
+    return _text(("label", f"value_{cells.unit}", f"sigma_{cells.unit}", "count"), rows)
 
 
 def _numbers(row: Estimate | Rung) -> tuple[object, object]:

@@ -19,7 +19,7 @@ from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.ledger import Ledger
 from photizon_cl.result.maps import DetectorResult, FarFieldResult
 from photizon_cl.result.stopping import Goal, achieved_sigma
-from photizon_cl.result.tallies import effect_tallies
+from photizon_cl.result.tallies import EffectTally, effect_tallies
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.compile.compiled import CompiledScene
-    from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene
 
@@ -139,10 +138,10 @@ class Estimates:
         }
 
     @cached_property
-    def tallies(self) -> Mapping[str, Mapping[str, Estimate]]:
+    def tallies(self) -> Mapping[str, EffectTally]:
         """What effects count in cells of their own: by effect, then by what each cell is.
 
-        Values in watts with their σ, and counts.
+        Values with their σ, mostly in watts (`EffectTally.unit`), and counts.
         """
         return effect_tallies(self.compiled, self.tally)
 
@@ -238,4 +237,5 @@ class Estimates:
             effect: {label: estimate.summary() for label, estimate in cells.items()}
             for effect, cells in self.tallies.items()
         }
-        return {"tallies": shown}
+        units = {effect: cells.unit for effect, cells in self.tallies.items() if cells.unit != "W"}
+        return {"tallies": shown, **({"tally_units": units} if units else {})}

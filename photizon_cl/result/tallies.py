@@ -1,4 +1,4 @@
-"""What effects count in cells of their own: a list of labels, each with its power and its count.
+"""What effects count in cells of their own: a list of labels, each with a value and a count.
 
 No effect is named here: one that labels its cells (`Effect.labels`) is in the summary, the files,
 the printed result and the report. What has no labels, as the far field, is shown in a way of its
@@ -18,10 +18,26 @@ if TYPE_CHECKING:
     from photizon_cl.compile.layout import CellGroup
     from photizon_cl.result.statistics import Accumulator
 
-__all__ = ["effect_tallies", "only_counts", "ranked"]
+__all__ = ["EffectTally", "effect_tallies", "only_counts", "ranked"]
 
 
-def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> dict[str, dict[str, Estimate]]:
+class EffectTally(dict[str, Estimate]):
+    """Estimates by label, in the effect's order.
+
+    Parameters
+    ----------
+    cells : mapping of str to Estimate
+        In `unit`, which is mostly ``W``.
+    unit : str
+        Of values and standard errors.
+    """
+
+    def __init__(self, cells: Mapping[str, Estimate], unit: str) -> None:
+        super().__init__(cells)
+        self.unit = unit
+
+
+def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> dict[str, EffectTally]:
     """Return the estimates of labelled cells, by effect, then by label in the effect's order.
 
     Parameters
@@ -34,17 +50,18 @@ def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> dict[str, dic
     return {g.effect: _cells(compiled, tally, g) for g in compiled.layout.labelled}
 
 
-def _cells(compiled: CompiledScene, tally: Accumulator, group: CellGroup) -> dict[str, Estimate]:
-    errors = tally.standard_error(group.first, group.size) * compiled.unit_power
+def _cells(compiled: CompiledScene, tally: Accumulator, group: CellGroup) -> EffectTally:
+    errors = tally.standard_error(group.first, group.size) * compiled.unit_power * group.scale
     cells = range(group.first, group.first + group.size)
-    return {
+    estimates = {
         label: Estimate(
-            watts(compiled, tally.exact(cell), tally.batches),
+            watts(compiled, tally.exact(cell), tally.batches) * group.scale,
             float(error) if tally.batches > 1 else None,
             int(tally.count[cell]),
         )
         for label, cell, error in zip(group.labels, cells, errors, strict=True)
     }
+    return EffectTally(estimates, group.unit)
 
 
 def ranked(cells: Mapping[str, Estimate], most: int) -> tuple[dict[str, Estimate], int]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from photizon_cl.errors import Problem, SceneError, show
@@ -49,6 +50,8 @@ class Described:
 
     kind: ClassVar[str] = ""
     label: ClassVar[str] = ""
+    sample: ClassVar[Mapping[str, Any]] = MappingProxyType({})
+    """Values for an example, where those that suit each parameter do not suit each other."""
 
     def __post_init__(self) -> None:
         """Check every value and bring it to canonical form.

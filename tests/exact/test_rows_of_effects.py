@@ -1,10 +1,12 @@
-"""A row that an effect adds to the ledger: booked, balanced, shown and kept."""
+"""Rows and cells that an effect adds: booked, balanced, scaled, shown and kept."""
 
 from __future__ import annotations
 
 from typing import ClassVar
 
 import pytest
+from oracles.engine import scene_of
+from oracles.scenes import beam, wall
 
 import photizon_cl as pz
 from hostcode.program.spec import EffectParts
@@ -73,3 +75,61 @@ def test_a_scene_without_it_has_no_such_row():
     ledger = pz.trace("box-room", batches=1, rays_per_batch=64).ledger
     assert not ledger.others
     assert "others" not in ledger.summary()
+
+
+class Way(Effect):
+    """Counts weight times length of segments that end on an element, in units of `longest`."""
+
+    name: ClassVar[str] = "way"
+    what: ClassVar[str] = "weight times length of what ends on an element"
+    costs: ClassVar[str] = "an addition an interaction"
+    unit: ClassVar[str] = "W·m"
+    longest: float = 1.0
+
+    def needed(self, scene, settings):
+        return "it is measured"
+
+    def cells(self, scene):
+        return (len(scene.element),)
+
+    def labels(self, scene):
+        return tuple(e.name for e in scene.element)
+
+    def scale(self, scene):
+        return self.longest
+
+    def parts(self, draft):
+        way = f"SEL(h->found, h->t * R({1.0 / self.longest!r}), splat(0.0))"
+        count = f"count_weights(ledger, launch->way, element, met, p->w * {way});"
+        member = ("way", "ulong", "first cell of the way")
+        return EffectParts(hooks=(("surface", count),), launch=(member,))
+
+
+def straight_down(height):
+    """A beam that falls on a plate that half absorbs it, and from there on a black one."""
+    lamp = {**beam((0, 0, height), "-z", 1e-3 * height)}
+    plate = {**wall((0, 0, 0), "+z", height), "surface": {"kind": "mirror", "reflectance": 0.5}}
+    lid = {**wall((0, 0, 3 * height), "-z", height), "surface": {"kind": "absorber"}}
+    return scene_of([lamp], [plate, lid])
+
+
+def test_cells_of_another_unit_are_scaled(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(Way, "longest", 2.0**12)
+    monkeypatch.setattr(compiled, "EFFECTS", (*EFFECTS, Way()))
+    result = pz.trace(straight_down(1024.0), batches=2, rays_per_batch=256)
+    way = result.tallies["way"]
+    assert way.unit == "W·m"
+    assert [(c.value, c.count) for c in way.values()] == [(1024.0, 512), (1536.0, 512)]
+    result.save(tmp_path / "run")
+    assert "value_W·m" in (tmp_path / "run" / "tally-way.csv").read_text("utf-8")
+    assert result.summary()["tally_units"] == {"way": "W·m"}
+    again = pz.open_result(tmp_path / "run").tallies["way"]
+    assert (again, again.unit) == (way, "W·m")
+
+
+@pytest.mark.parametrize("height", [8.0, 1e6, 1e12])
+@pytest.mark.parametrize("rays", [1, 64, 4096])
+def test_numbers_that_are_too_large_end_the_run(monkeypatch, height, rays):
+    monkeypatch.setattr(compiled, "EFFECTS", (*EFFECTS, Way()))
+    with pytest.raises(pz.RunError, match="numbers beyond 4 at once"):
+        pz.trace(straight_down(height), batches=1, rays_per_batch=rays)

@@ -302,11 +302,18 @@ def guess(cls: type[Described]) -> dict[str, Any]:
     for name, parameter in parameters_of(cls).items():
         if is_required(cls, name) and (value := _value(name, parameter)) is not None:
             found[name] = value
+    found.update(cls.sample)
     if cls.label == "surface":
         try:
             cls(**found)
         except SceneError:  # parts of one whole
             found = {name: 0.4 if value == 0.8 else value for name, value in found.items()}
+            found.update(cls.sample)
+            try:
+                cls(**found)
+            except SceneError as error:
+                error.add_note(f"give {cls.__name__} a `sample`: what was guessed is refused")
+                raise
     return found
 
 

@@ -36,6 +36,9 @@ class Effect(ABC):
     in_text: ClassVar[bool] = False
     """Whether kernels ask for it by name (``"name" in effects``)."""
 
+    unit: ClassVar[str] = "W"
+    """Unit of what its labelled cells show."""
+
     @abstractmethod
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Return why a scene, run so, needs it, as a clause behind "because"; None where not."""
@@ -62,6 +65,14 @@ class Effect(ABC):
         result, report. Empty where it brings none, or they are shown in a way of their own.
         """
         return ()
+
+    def scale(self, scene: Scene) -> float:
+        """Return what a counted 1 stands for, in `unit` per watt: 1 where weights are counted.
+
+        What a kernel counts at once must lie in 0 … 4 (`count_weights`). An effect that counts
+        anything else than weights divides it by a bound of the scene, and gives that here.
+        """
+        return 1.0
 
     def prepare(self, draft: Draft, *, forced: bool) -> None:  # noqa: B027 - most have nothing to do
         """Change how the scene is laid out, before the tables are made."""

@@ -299,7 +299,8 @@ def tally_tables(result: Estimates, most: int = MOST_ROWS) -> list[Table]:
         if left:
             rest = "row that is not larger is" if left == 1 else "rows that are not larger are"
             notes.append(f"{integer(left)} {rest} left out; result.nc has all.")
-        columns = (("label", False), *(() if counts else _POWER[:2]), ("count", True))
+        power = () if counts else ((cells.unit, True), _POWER[1])
+        columns = (("label", False), *power, ("count", True))
         caption = f"{effect}: {EFFECT_ROWS[effect].what}"
         found.append(
             Table(f"table-tally-{n}", caption, columns, rows, " ".join(filter(None, notes)))
