@@ -141,7 +141,9 @@ class Circular(Outline):
         return math.hypot(x, y) + around <= self.radius * grown
 
     def rim(self) -> Line:  # noqa: D102
-        return self.towards(_TURN)
+        points = self.towards(_TURN)
+        points[-1] = points[0]  # sin 2π is not 0: a plane through both would cross the rim once
+        return points
 
     def towards(self, angles: Values) -> Line:  # noqa: D102
         return np.stack([self.radius * np.cos(angles), self.radius * np.sin(angles)], axis=1)

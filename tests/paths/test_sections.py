@@ -135,3 +135,33 @@ def test_a_flat_face_in_the_plane_gives_its_rim():
     (line,) = cut(by_name("rectangle"), 2, 0.1)
     assert len(line) == 5
     assert len(cut(by_name("tube"), 2, 0.1 + 1.0 / 3.0)) >= 2
+
+
+AXES = ("+x", "-x", "+y", "-y", "+z", "-z")
+FLAT = {
+    "disk": lambda **at: pz.Disk(name="d", surface=pz.Absorber(), radius=0.7, **at),
+    "annulus": lambda **at: pz.Disk(
+        name="d", surface=pz.Absorber(), radius=0.7, inner_radius=0.3, **at
+    ),
+    "rectangle": lambda **at: pz.Rectangle(
+        name="d", surface=pz.Absorber(), half_width=0.7, half_height=0.4, **at
+    ),
+}
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.1, -0.25])
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (90.0, 0.0), (0.0, 30.0)])
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("kind", FLAT)
+def test_a_flat_face_crosses_every_section_that_cuts_it(kind, axis, tilt, offset):
+    """Through its middle and beside it, along its axes and across them."""
+    element = FLAT[kind](position=(0.5, -0.25, 1.0), axis=axis, tilt_deg=tilt)
+    for across in range(3):
+        # how far the face reaches along the section's normal
+        reach = 0.4 * math.hypot(*(element.frame[row][across] for row in (0, 1)))
+        if reach <= abs(offset):
+            continue
+        lines = cut(element, across, element.position[across] + offset)
+        assert lines, f"no line in the section across {'xyz'[across]}"
+        length = sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines)
+        assert length > 0.3

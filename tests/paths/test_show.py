@@ -115,3 +115,43 @@ def test_bad_input(arguments, message, run, tmp_path, monkeypatch):
     assert message in err
     assert "Traceback" not in err
     assert not list(tmp_path.iterdir())
+
+
+def arrows(scene):
+    """Return the arrows of the three sections: axes, their direction in the panel's coordinates."""
+    figure = draw_scene(pz.paths(scene, rays=4))
+    found = []
+    for axes in figure.axes:
+        for text in axes.texts:
+            if getattr(text, "arrow_patch", None) is not None:
+                ends = np.array([text.xyann, text.xy])
+                found.append((axes.get_xlabel()[0] + axes.get_ylabel()[0], ends[1] - ends[0]))
+    return found
+
+
+@pytest.mark.parametrize("tilt", [(30.0, 0.0), (0.0, 30.0), (20.0, 50.0)])
+@pytest.mark.parametrize("length", [0.1, 1.0, 3.0])
+def test_an_arrow_has_the_angle_of_the_beam(tilt, length):
+    """However long the scene is beside its width."""
+    beam = pz.CollimatedDisk(
+        name="beam", flux=1.0, position=(0, 0, 0), axis="+z", tilt_deg=tilt, radius=0.05
+    )
+    stop = pz.Rectangle(name="stop", position=(0, 0, length), axis="-z", surface=pz.Absorber(),
+                        half_width=1.0, half_height=0.5)  # fmt: skip
+    shown = arrows(pz.Scene(name="tilted", source=(beam,), element=(stop,)))
+    assert shown
+    for panel, drawn in shown:
+        along = np.array([beam.frame[2]["xyz".index(name)] for name in panel])
+        assert drawn @ along > 0.0
+        assert abs(drawn[0] * along[1] - drawn[1] * along[0]) < 1e-9 * np.hypot(*drawn)
+
+
+@pytest.mark.parametrize(("side", "sign"), [("front", 1.0), ("back", -1.0)])
+def test_a_detector_looks_to_the_side_that_it_counts(side, sign):
+    lamp = pz.IsotropicPoint(name="lamp", flux=1.0, position=(0, 0, 0.5))
+    plate = pz.Disk(name="plate", position=(0, 0, 0), axis="+z", surface=pz.Absorber(), radius=0.3,
+                    detector=pz.Detector(side=side))  # fmt: skip
+    shown = arrows(pz.Scene(name="sides", source=(lamp,), element=(plate,)))
+    assert len(shown) == 2
+    for panel, drawn in shown:
+        assert drawn[panel.index("z")] * sign > 0.0

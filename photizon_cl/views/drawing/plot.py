@@ -204,7 +204,9 @@ def draw_section(
                 axes.fill(x, y, color=colour, alpha=0.22, linewidth=0.0, zorder=1.5)
             axes.plot(x, y, color=colour, linewidth=2.2, solid_capstyle="butt", zorder=3.0)
         if element.detector is not None and element.flat:
-            _arrow(axes, box, element.position, element.frame[2], h, v, _DETECTOR, 0.05)
+            sign = 1.0 if element.detector_plus else -1.0
+            du, dv, dw = (sign * d for d in element.frame[2])
+            _arrow(axes, box, element.position, (du, dv, dw), h, v, _DETECTOR, 0.05)
     for source in scene.source:
         _draw_source(axes, box, source, h, v)
     axes.set_xlim(box.low[h] * scale, box.high[h] * scale)
@@ -247,10 +249,16 @@ def _arrow(
     colour: str,
     length: float,
 ) -> None:
-    """Draw where a source shines or a detector looks, unless that is across the panel."""
-    reach = np.array([direction[h] * box.extent[h], direction[v] * box.extent[v]]) * length
-    if np.hypot(direction[h], direction[v]) < 0.1:
+    """Draw where a source shines or a detector looks, unless that is across the panel.
+
+    It has the direction of a ray in the panel, and at most a part `length` of its width and height.
+    """
+    seen = np.array([direction[h], direction[v]])
+    along = float(np.hypot(*seen))
+    if along < 0.1:
         return
+    largest = np.max(np.abs(seen) / np.array([box.extent[h], box.extent[v]]))
+    reach = seen * (length * along / largest)
     start = np.array([position[h], position[v]]) * box.scale
     axes.annotate(
         "", xy=tuple(start + reach * box.scale), xytext=tuple(start), zorder=5.0,
