@@ -91,14 +91,14 @@ def test_more_than_everything_is_refused():
     assert pz.Mixed(0.1, 0.9).absorptance == 0.0
 
 
-@pytest.mark.parametrize(("specular", "diffuse"), [(0.5, 0.0), (0.0, 0.5), (0.5, 0.25)])
+@pytest.mark.parametrize(("specular", "diffuse"), [(0.5, 0.0), (0.0, 0.5)])
 def test_beside_glass_it_leaves_the_glass_its_children(specular, diffuse):
     """With one part alone it splits nothing, and another surface of the same packet does."""
     lamp = {"kind": "isotropic-point", "flux": 1.0, "position": [0, 0, 0.1]}
     glass = {**wall((0, 0, 0.5), "+z"), "surface": {"kind": "fresnel", "index": 1.5}}
     scene = scene_of([lamp], [glass, {**wall((0, 0, -0.5), "+z"), **mixed(specular, diffuse)}])
     made = compiled(scene, rays_per_batch=512)
-    runs = [trace_compiled(made, plan=PLAN.with_(lanes=lanes)) for lanes in (1, 4, 16)]
+    runs = [trace_compiled(made, plan=PLAN.with_(lanes=lanes)) for lanes in (1, 8)]
     assert len({run.digest for run in runs}) == 1
     for run in runs:
         assert max(map(abs, run.closures())) < Fraction(1, 10**15)
