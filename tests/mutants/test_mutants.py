@@ -20,6 +20,7 @@ from oracles.scenes import BLACK, beam, cube, matt, wall
 
 from hostcode import templates
 from hostcode.assets import kernels_dir
+from hostcode.errors import HostError, KernelBuildError
 from hostcode.program import build
 
 if TYPE_CHECKING:
@@ -460,10 +461,12 @@ def passes_when_healthy(gate: Callable[[], object]) -> None:
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda m: m.name)
 def test_gate_catches(mutant: Mutant, engine: Callable[[Mutant], None]) -> None:
+    """By the gate itself, or before it by the host; a mutant that is no program is no mutant."""
     passes_when_healthy(mutant.gate)
     engine(mutant)
-    with pytest.raises(AssertionError):
+    with pytest.raises((AssertionError, HostError)) as caught:
         mutant.gate()
+    assert not isinstance(caught.value, KernelBuildError)
 
 
 def test_the_engine_is_whole_again_after_a_mutant() -> None:
