@@ -1,7 +1,8 @@
 """The code of an element, and of a face of it: one 64-bit integer.
 
 From its lowest bits: the element class, whether the normal points down its axis, the surface kind,
-whether it has a detector, the face, and the element's number. Of two codes the smaller one belongs
+whether it has a detector, whether its faces may lie in those of others, the face, and the element's
+number. Of two codes the smaller one belongs
 to the element named first, and of one element to its first face.
 """
 
@@ -52,6 +53,7 @@ CODE: Final[dict[str, CodeField]] = {
         CodeField("down", 7, 1, "signs of an axis"),
         CodeField("surface", 8, 6, "surface kinds in one scene"),
         CodeField("detector", 14, 1, "detectors on an element"),
+        CodeField("coincident", 15, 1, "elements whose faces may lie in others'"),
         CodeField("face", 16, 16, "faces of an element"),
         # a ray remembers element, face and side in 64 bits (kernels/lib/faces.mako)
         CodeField("element", 32, 27, "elements in one scene"),

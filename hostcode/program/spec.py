@@ -100,6 +100,8 @@ class SurfaceKind:
         Whether a ray may go on as two.
     counts : bool
         Whether meeting it is an interaction; else a ray passes as if nothing were there.
+    refracts : bool
+        Whether it is the border of two media.
     libraries : tuple of str
         Kernel templates that its file needs before it, rendered once a program.
     """
@@ -110,6 +112,7 @@ class SurfaceKind:
     absorbs: bool = True
     splits: bool = False
     counts: bool = True
+    refracts: bool = False
     libraries: tuple[str, ...] = ()
 
 

@@ -7,6 +7,9 @@
 FN void begin_search(search_t *search, int careful, hit_t *h) {
     search->careful = careful;
     search->doubtful = NO_LANES;
+% if "coincidence" in effects:
+    search->settling = 0;
+% endif
 % if "contact" in effects:
 % for n in range(counts["note_words"]):
     search->noted.word${n} = lsplat(-1L);
@@ -48,27 +51,44 @@ FN void nearest_of(const scene_t *scene, const packet_t *packets, uint n, hit_t 
             wanted ${point("nearest.searched", "&= ~(1u << l)")};
         }
     }
+% if "coincidence" in effects:
+    for (uint l = 0; l < n; l++) {
+        if (packets[l].alive && begin_settling(scene, searches + l, packets + l, hits + l)) wanted |= 1u << l;
+    }
+    if (!wanted) return;
+    search_tree(scene, packets, wanted, searches, hits);
+    for (uint rest = wanted; rest; rest &= rest - 1u) end_settling(searches + FIRST_PACKET(rest), hits + FIRST_PACKET(rest));
+% endif
 }
 
 FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
     nearest_of(scene, p, 1, h);
 }
 % else:
-// reads: packet, geometry, codes.  gives: hit.
-FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
-    const lint left = p->left >> 2;
-    search_t search;
-    for (int careful = 0; careful < 2; careful++) {
-        begin_search(&search, careful, h);
+<%def name="scan()">\
 % for cls in classes:
         for (long j = scene->codes[${cls.number}]; j < scene->codes[${cls.number} + 1]; j++) {
             const long code = scene->codes[j];
             meet_${cls.suffix}(scene, scene->geometry + ELEMENT_OF(code) * ROW, code, p, left, &search, h);
         }
 % endfor
+</%def>\
+// reads: packet, geometry, codes.  gives: hit.
+FN void nearest(const scene_t *scene, const packet_t *p, hit_t *h) {
+    const lint left = p->left >> 2;
+    search_t search;
+    for (int careful = 0; careful < 2; careful++) {
+        begin_search(&search, careful, h);
+${scan()}\
         if (!ANY(search.doubtful)) break;
     }
     end_search(&search, p, h);
+% if "coincidence" in effects:
+    if (begin_settling(scene, &search, p, h)) {
+${scan()}\
+        end_settling(&search, h);
+    }
+% endif
 }
 
 // A packet at a time.

@@ -46,6 +46,25 @@ typedef struct {
     mask from_plus;   // came from the + side whatever it says
 } contact_t;
 
+// A contact at a distance along a ray, before its face is asked.
+FN contact_t no_contact(const packet_t *p, real t) {
+    contact_t c;
+    c.x = fma(t, p->dx, p->ox);
+    c.y = fma(t, p->dy, p->oy);
+    c.z = fma(t, p->dz, p->oz);
+    c.nx = splat(0.0); c.ny = splat(0.0); c.nz = splat(0.0);
+    c.came_plus = NO_LANES;
+    c.from_minus = NO_LANES;
+    c.from_plus = NO_LANES;
+    c.inner = NO_LANES;
+    return c;
+}
+
+// Whether the ray came to a contact from its face's + side.
+FN mask came_from_plus(const packet_t *p, const contact_t *c) {
+    return (LE(dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz), splat(0.0)) & ~c->from_minus) | c->from_plus;
+}
+
 // Columns of the tables' rows, as the kinds in use declare them.  An element's row begins with its
 // position, and ends with its frame.
 #define ROW ${strides.row}
@@ -95,6 +114,15 @@ typedef struct {
     mask doubtful;
 % if "contact" in effects:
     notes_t noted;
+% endif
+% if "coincidence" in effects:
+    int settling;      // whether this pass settles which of the faces in one place comes first
+    mask shared;       // lanes in which that is to be settled
+    real nearest;      // distance of the nearest face in m
+    real room;         // for its rounding, along the normal, in m
+    real t, plane;     // of the one that comes first so far
+    lint code, rank;
+    mask edge;
 % endif
 } search_t;
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from photizon_cl.checks.flush import flush_elements
+from photizon_cl.checks.coincident import coincident_faces
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
 
@@ -69,7 +69,7 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
             )
         elif not element.surface.transmits:  # what goes through meets the other
             first[shape] = element.name
-    yield from flush_elements(scene)
+    yield from coincident_faces(scene)
 
 
 def _blind_detectors(scene: Scene) -> Iterator[str]:

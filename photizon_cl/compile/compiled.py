@@ -132,13 +132,14 @@ def compile_scene(
     for effect, reason in used:
         effect.prepare(draft, forced=reason == _FORCED)
 
-    stride = draft.strides = strides(scene)
+    effects = [effect for effect, _ in used]
+    stride = draft.strides = strides(scene, effects)
     draft.classes, class_of = element_classes(scene, draft.all_tilted)
     materials, draft.material_of = material_table(scene, stride)
     surfaces = surface_kinds(scene, draft.material_of)
     sources = source_kinds(scene)
-    draft.element_codes = element_codes(scene, class_of, surfaces)
-    draft.geometry = geometry_table(draft, class_of, stride)
+    draft.element_codes = element_codes(scene, class_of, surfaces, draft.coincident)
+    draft.geometry = geometry_table(draft, class_of, stride, effects)
     parts = [replace(effect.parts(draft), effect=effect.name) for effect, _ in used]
     spec = ProgramSpec(
         classes=draft.classes,
@@ -147,7 +148,7 @@ def compile_scene(
         forms=draft.forms,
         effects=frozenset(effect.name for effect, _ in used if effect.in_text),
         parts=tuple(parts),
-        columns=columns(scene),
+        columns=columns(scene, effects, stride),
         strides=stride,
         ledger=tuple(row.name for row in layout.rows),
         n_elements=len(scene.element) if len(scene.element) <= MAX_REGISTER_ELEMENTS else 0,

@@ -42,6 +42,8 @@ class Draft:
         Whether every element is taken as turned off the axes.
     weights_differ : bool
         Whether rays remember the weight with which they were launched.
+    coincident : frozenset of int
+        Numbers of the elements whose faces may lie in those of others.
     """
 
     scene: Scene
@@ -50,6 +52,7 @@ class Draft:
     shift: Vec3
     all_tilted: bool = False
     weights_differ: bool = False
+    coincident: frozenset[int] = frozenset()
     # the tables, filled in this order
     classes: tuple[ElementClass, ...] = ()
     strides: Strides | None = None

@@ -15,10 +15,13 @@ from photizon_cl.scene.frames import axis_index
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
     from numpy.typing import NDArray
 
     from hostcode.run.tables import DeviceTables
     from photizon_cl.compile.draft import Draft
+    from photizon_cl.compile.effects.base import Effect
     from photizon_cl.scene.elements.base import Element
     from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.model import Scene
@@ -46,9 +49,13 @@ def _rows(things: Any) -> list[Row]:
     return list(dict.fromkeys(thing.row for thing in things))
 
 
-def strides(scene: Scene) -> Strides:
-    """Return the lengths of the tables' rows: those of the longest kind in use."""
+def strides(scene: Scene, effects: Sequence[Effect]) -> Strides:
+    """Return the lengths of the tables' rows: those of the longest kind in use.
+
+    Behind the columns of an element's kind come those of the effects in use, then its frame.
+    """
     element = max((len(e.row) for e in scene.element), default=0) + len(POSITION)
+    element += sum(len(effect.row) for effect in effects)
     source = max(len(s.row) for s in scene.source) + len(SOURCE)
     line = CACHE_LINE // 8
     return Strides(
@@ -60,10 +67,13 @@ def strides(scene: Scene) -> Strides:
     )
 
 
-def columns(scene: Scene) -> tuple[tuple[str, int], ...]:
+def columns(
+    scene: Scene, effects: Sequence[Effect], stride: Strides
+) -> tuple[tuple[str, int], ...]:
     """Return the kernels' names of the columns in use, and their places in a row."""
     found = {**POSITION.constants(0), **SOURCE.constants(0)}
-    groups = (
+    groups: tuple[tuple[Sequence[Any], int], ...] = (
+        *_places(effects, stride),
         (scene.element, len(POSITION)),
         ([e.surface for e in scene.element], 0),
         (scene.source, len(SOURCE)),
@@ -77,6 +87,14 @@ def columns(scene: Scene) -> tuple[tuple[str, int], ...]:
                         "prefix of its own"
                     )
     return tuple(sorted(found.items()))
+
+
+def _places(effects: Sequence[Effect], stride: Strides) -> Iterator[tuple[list[Effect], int]]:
+    """Give each effect and where its columns begin in an element's row."""
+    place = stride.row_frame - sum(len(effect.row) for effect in effects)
+    for effect in effects:
+        yield [effect], place
+        place += len(effect.row)
 
 
 # -- sources -------------------------------------------------------------------------------------
@@ -174,9 +192,14 @@ def element_classes(
 
 
 def element_codes(
-    scene: Scene, class_of: list[ElementClass], surfaces: tuple[SurfaceKind, ...]
+    scene: Scene,
+    class_of: list[ElementClass],
+    surfaces: tuple[SurfaceKind, ...],
+    coincident: frozenset[int],
 ) -> list[int]:
     """Return the elements' codes, see `hostcode.program.codes`.
+
+    `coincident` are the numbers of the elements whose faces may lie in those of others.
 
     Raises
     ------
@@ -191,6 +214,7 @@ def element_codes(
                 encode(
                     element=n,
                     detector=int(element.detector is not None),
+                    coincident=int(n in coincident),
                     surface=number[element.surface.kernel],
                     down=int(cls.axis is not None and axis_index(element.axis) % 2 == 1),
                     cls=cls.number,
@@ -236,11 +260,15 @@ def code_of(tables: DeviceTables, element: int) -> int:
 
 
 def geometry_table(
-    draft: Draft, class_of: list[ElementClass], stride: Strides
+    draft: Draft, class_of: list[ElementClass], stride: Strides, effects: Sequence[Effect]
 ) -> NDArray[np.float64]:
-    """Return the elements' rows: position, what their class packs, frame."""
+    """Return the elements' rows: position, what their class packs, what effects add, frame."""
     elements, first = draft.scene.element, len(POSITION)
     table = np.zeros((len(elements), stride.row))
+    for (effect,), place in _places(effects, stride):
+        if len(effect.row):
+            added = [effect.row.pack(effect.packed(draft, n)) for n in range(len(elements))]
+            table[:, place : place + len(effect.row)] = added
     rows = zip(table, elements, class_of, draft.at_edges.tolist(), strict=True)
     for row, element, cls, at_edges in rows:
         x, y, z = centre = _from_shift(element.position, draft.shift)
@@ -290,6 +318,7 @@ def surface_kinds(scene: Scene, material_of: list[int]) -> tuple[SurfaceKind, ..
             absorbs=made[kind].absorbs,
             splits=made[kind].splits,
             counts=made[kind].counts,
+            refracts=made[kind].refracts,
             libraries=made[kind].libraries,
         )
         for n, kind in enumerate(sorted(rows))

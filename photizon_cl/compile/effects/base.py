@@ -11,11 +11,13 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, ClassVar
 
 from hostcode.program.spec import EffectParts
+from photizon_cl.scene.rows import NO_ROW
 
 if TYPE_CHECKING:
     from photizon_cl.compile.draft import Draft
     from photizon_cl.compile.layout import LedgerRow
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.rows import Row
     from photizon_cl.scene.settings import RunSettings
 
 __all__ = ["Effect"]
@@ -35,6 +37,9 @@ class Effect(ABC):
     """What the device does more because of it, in one line."""
     in_text: ClassVar[bool] = False
     """Whether kernels ask for it by name (``"name" in effects``)."""
+
+    row: ClassVar[Row] = NO_ROW
+    """Columns that it adds to every element's row in the geometry table."""
 
     unit: ClassVar[str] = "W"
     """Unit of what its labelled cells show."""
@@ -76,6 +81,10 @@ class Effect(ABC):
 
     def prepare(self, draft: Draft, *, forced: bool) -> None:  # noqa: B027 - most have nothing to do
         """Change how the scene is laid out, before the tables are made."""
+
+    def packed(self, draft: Draft, number: int) -> dict[str, float]:
+        """Return the values of those columns by name, for an element by its number."""
+        return {}
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return what it brings to the program."""

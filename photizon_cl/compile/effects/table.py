@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.compile.effects.acceleration import Acceleration
+from photizon_cl.compile.effects.coincidence import Coincidence
 from photizon_cl.compile.effects.contact import Contact
 from photizon_cl.compile.effects.detector import Detector
 from photizon_cl.compile.effects.far_field import FarField
@@ -32,6 +33,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     Tilt(),
     Acceleration(),
     Contact(),
+    Coincidence(),
     Opening(),
     Detector(),
     Map(),

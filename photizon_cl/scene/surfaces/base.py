@@ -56,6 +56,11 @@ class Surface(Described):
         """Part of the power that leaves it with equal radiance everywhere, where all else ends."""
         return None
 
+    @property
+    def indices(self) -> tuple[float, float] | None:
+        """Refractive indices behind its normal and on the other side, where it refracts."""
+        return None
+
     def advice(self) -> list[str]:
         """Return what is valid and yet probably not meant, as what follows its element's name."""
         return []

@@ -72,6 +72,11 @@ class Fresnel(Surface):
         }
 
     @property
+    def indices(self) -> tuple[float, float]:
+        """Refractive indices behind its normal and on the other side."""
+        return self.index, self.index_outside
+
+    @property
     def normal_reflectance(self) -> float:
         """Reflectance at normal incidence, ((n − n')/(n + n'))²."""
         ratio = (self.index - self.index_outside) / (self.index + self.index_outside)

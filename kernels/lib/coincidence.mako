@@ -1,0 +1,74 @@
+## surfaces (kinds in use: .number, .counts, .refracts); rendered once a program
+// Which of several faces that lie in one place a ray meets first.
+//
+// What their surfaces are decides, and only then the order in the file: first a refracting face that
+// the ray meets from behind its normal, as it leaves that body; then those that it passes as if
+// nothing were there; then opaque ones; then refracting ones that it meets from outside.  So bodies in
+// contact have a film of their outside medium between them, whatever their order in the file.
+//
+// Of two faces in one place rounding decides which is nearer.  So where the nearest face may lie in
+// others, a second search looks at all that is met there.  What is `there` follows from the nearest
+// face and the other one alone, so that the order of the search does not matter: they are no farther
+// apart, along the other's normal, than their rounding can bring them.
+
+#define IN_OTHERS(code) INE((code) & (1L << ${code["coincident"].shift}), lsplat(0L))
+// Rounding of a point on a ray, relative to its coordinates, eight times over.
+#define COINCIDENT R(0x1p-45)
+// No face that is there is farther off than the nearest by more than this part of the way: then a ray
+// runs along it at less than 2^-35 rad.
+#define FARTHEST R(0x1p-10)
+#define NO_RANK LONG_MAX
+
+FN lint rank_of(lint code, mask from_behind) {
+    lint rank = lsplat(2L);
+% for kind in surfaces:
+% if kind.refracts:
+    rank = SELI(IEQ(SURFACE_OF(code), lsplat(${kind.number}L)), ${point("coincidence.refracting", "SELI(from_behind, lsplat(0L), lsplat(3L))")}, rank);
+% elif not kind.counts:
+    rank = SELI(IEQ(SURFACE_OF(code), lsplat(${kind.number}L)), ${point("coincidence.clear", "lsplat(1L)")}, rank);
+% endif
+% endfor
+    return rank;
+}
+
+// Whether a second search is to be made for any lane.  Then h->t becomes how far it has to look.
+FN bool begin_settling(const scene_t *scene, search_t *search, const packet_t *p, hit_t *h) {
+    search->settling = 1;
+    search->shared = h->found & IN_OTHERS(h->code);
+    if (!ANY(search->shared)) return false;
+    const lint row = SELI(search->shared, ELEMENT_OF(h->code) * ROW, lsplat(0L));
+    const real origin = fabs(p->ox) + fabs(p->oy) + fabs(p->oz);
+    search->room = fma(origin + h->t, COINCIDENT, gather(scene->geometry + COINCIDENCE_ROOM, row));
+    search->nearest = h->t;
+    search->t = h->t;
+    search->code = h->code;
+    search->plane = h->plane;
+    search->edge = h->edge;
+    search->rank = lsplat(NO_RANK);
+    h->t = SEL(search->shared, fma(origin + h->t, FARTHEST, h->t), h->t);
+    return true;
+}
+
+// A face that is met, in the lanes of m.  d_n: the ray's direction along its normal.  room: for the
+// rounding of its element.
+FN void settle(search_t *search, const packet_t *p, mask m, real farthest, real t, lint code, real plane, mask edge,
+               mask from_behind, real d_n, real room) {
+    // where a face is met where the ray starts, the one that it left is at the far end of a chord, however short
+    const mask far_end = EQ(search->nearest, splat(0.0)) & IEQ(code, p->left >> 2);
+    const mask there = EQ(t, search->nearest)
+        | (LE(fabs((t - search->nearest) * d_n), ${point("coincidence.room", "(search->room + room)")}) & LE(t, farthest) & ~far_end);
+    const lint rank = rank_of(code, from_behind);
+    const mask first = m & there & (ILT(rank, search->rank) | (IEQ(rank, search->rank) & ILT(code, search->code)));
+    search->t = SEL(first, t, search->t);
+    search->code = SELI(first, code, search->code);
+    search->plane = SEL(first, plane, search->plane);
+    search->edge = SELM(first, edge, search->edge);
+    search->rank = SELI(first, rank, search->rank);
+}
+
+FN void end_settling(const search_t *search, hit_t *h) {
+    h->t = SEL(search->shared, search->t, h->t);
+    h->code = SELI(search->shared, search->code, h->code);
+    h->plane = SEL(search->shared, search->plane, h->plane);
+    h->edge = SELM(search->shared, search->edge, h->edge);
+}

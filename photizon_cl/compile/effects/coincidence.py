@@ -1,0 +1,55 @@
+"""Faces of several elements in one place: which of them a ray meets first."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from hostcode.program.spec import EffectParts
+from photizon_cl.compile.effects.base import Effect
+from photizon_cl.geometry.coincidence import unordered
+from photizon_cl.geometry.neighbours import Neighbours
+from photizon_cl.geometry.planes import ROUNDING
+from photizon_cl.scene.rows import Row
+
+if TYPE_CHECKING:
+    from photizon_cl.compile.draft import Draft
+    from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.settings import RunSettings
+
+
+class Coincidence(Effect):
+    """Where the nearest face may lie in others, a second search settles which comes first."""
+
+    name: ClassVar[str] = "coincidence"
+    what: ClassVar[str] = "faces of several elements in one place: their order"
+    costs: ClassVar[str] = "a second search for each ray that meets such a face"
+    in_text: ClassVar[bool] = True
+    row: ClassVar[Row] = Row(
+        "COINCIDENCE", ("room", "m", "how far rounding may move a face, at most, eight times over")
+    )
+
+    def needed(self, scene: Scene, settings: RunSettings) -> str | None:
+        """Where neither rounding nor the file may decide: `photizon_cl.geometry.coincidence`."""
+        pair = next(unordered(Neighbours(scene.element)), None)
+        if pair is None:
+            return None
+        a, b = (scene.element[n].name for n in pair)
+        return f'"{a}" and "{b}" have faces in one place'
+
+    def possible(self, scene: Scene) -> bool:
+        """Not without elements."""
+        return bool(scene.element)
+
+    def prepare(self, draft: Draft, *, forced: bool) -> None:
+        """Mark the elements that it is about."""
+        draft.coincident = frozenset(n for pair in unordered(draft.near) for n in pair)
+
+    def packed(self, draft: Draft, number: int) -> dict[str, float]:
+        """Return the room for rounding, which follows the positions that were given."""
+        return {"room": 8.0 * ROUNDING * float(np.abs(draft.near.boxes[number]).max())}
+
+    def parts(self, draft: Draft) -> EffectParts:
+        """Return what settles the order, which the elements' functions call."""
+        return EffectParts(libraries=("lib/coincidence",))

@@ -1,0 +1,309 @@
+"""Faces of different elements in one place: in one plane, on one ball, touching in a point.
+
+There several faces are hit at one distance, which rounding makes differ. What their surfaces are
+says which of them comes first (kernels/lib/coincidence.mako).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from photizon_cl.geometry.planes import ROUNDING, PlaneFaces, coplanar, face_pairs
+from photizon_cl.scene.faces import Ball, Revolved
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from photizon_cl.geometry.neighbours import Neighbours
+    from photizon_cl.scene.elements import Element
+    from photizon_cl.scene.frames import Vec3
+    from photizon_cl.scene.surfaces import Surface
+
+__all__ = ["Shared", "shared_places", "unordered"]
+
+_HEIGHTS: Final = (0.001, 0.25, 0.5, 0.75, 0.999)
+"""Where along the heights that two surfaces of revolution share they are compared."""
+
+
+@dataclass(frozen=True)
+class Shared:
+    """Two faces in one place.
+
+    Parameters
+    ----------
+    first, second : int
+        Numbers of their elements, the smaller one first.
+    first_face, second_face : int
+        Which of their faces.
+    point : bool
+        Whether they touch in a point only.
+    opposed : bool
+        Whether their normals point against each other there, as those of bodies in contact.
+    exact : bool
+        Whether every ray finds them at the same distance to the last bit.
+    """
+
+    first: int
+    second: int
+    first_face: int
+    second_face: int
+    point: bool
+    opposed: bool
+    exact: bool
+
+
+def shared_places(near: Neighbours) -> Iterator[Shared]:
+    """Give the faces of different elements that lie in one place within rounding."""
+    planes = PlaneFaces(near.elements, every=True)
+    rounds = _Rounds(near.elements)
+    for k, m, _ in coplanar(near, planes):
+        i, j = int(planes.owner[k]), int(planes.owner[m])
+        senses = planes.faces[k].sense * planes.faces[m].sense
+        yield Shared(
+            i,
+            j,
+            int(planes.number[k]),
+            int(planes.number[m]),
+            point=False,
+            opposed=bool(senses * np.dot(planes.frames[k, 2], planes.frames[m, 2]) < 0.0),
+            exact=_same_plane(near.elements[i], near.elements[j]),
+        )
+    if len(rounds.faces):
+        yield from _round_pairs(near, rounds)
+        yield from _touching_planes(near, planes, rounds)
+
+
+def unordered(near: Neighbours) -> Iterator[tuple[int, int]]:
+    """Give the pairs of elements whose order in one place is for the kernels to settle.
+
+    Elsewhere it follows from the file: where surfaces of one rank are hit at exactly one distance,
+    or light passes all of them as if nothing were there.
+    """
+    elements = near.elements
+    for pair in shared_places(near):
+        a, b = elements[pair.first].surface, elements[pair.second].surface
+        settled = _plain(a) and _plain(b) and (pair.exact or pair.point)
+        if not (settled or (_passed(a) and _passed(b))):
+            yield pair.first, pair.second
+
+
+def _plain(surface: Surface) -> bool:
+    return surface.counts and not surface.refracts
+
+
+def _passed(surface: Surface) -> bool:
+    return not surface.counts
+
+
+def _same_plane(a: Element, b: Element) -> bool:
+    """Say whether the kernels find the same distance to two flat elements in one plane."""
+    if not (a.flat and b.flat):
+        return False
+    if a.class_axis is not None and a.class_axis == b.class_axis:
+        return a.position[a.class_axis] == b.position[a.class_axis]
+    normal, other = a.frame[2], b.frame[2]
+    opposite = tuple(-x for x in other)
+    return a.position == b.position and normal in (other, opposite)
+
+
+# -- curved faces --------------------------------------------------------------------------------
+
+
+class _Rounds:
+    """The surfaces of revolution among elements' faces, as arrays like those of `PlaneFaces`.
+
+    Attributes
+    ----------
+    centres, axes : ndarray, shape (faces, 3), float64
+        Of the ball in metres, else of the element; and the axis.
+    radii : ndarray, shape (faces,), float64
+        Of the ball in metres; not a number of other faces.
+    whole : ndarray, shape (faces,), bool
+        Whether it is all of a ball.
+    far : ndarray, shape (faces,), float64
+        Bound of their coordinates in metres.
+    """
+
+    def __init__(self, elements: Sequence[Element]) -> None:
+        self.elements = elements
+        self.faces: list[Revolved] = []
+        owners: list[int] = []
+        numbers: list[int] = []
+        begin = [0]
+        for n, element in enumerate(elements):
+            for k, face in enumerate(element.faces):
+                if isinstance(face, Revolved):
+                    self.faces.append(face)
+                    owners.append(n)
+                    numbers.append(k)
+            begin.append(len(self.faces))
+        self.begin = np.array(begin)
+        self.owner, self.number = np.array(owners, np.int64), np.array(numbers, np.int64)
+        balls = [face if isinstance(face, Ball) else None for face in self.faces]
+        rise = np.array([ball.height if ball else 0.0 for ball in balls])
+        self.radii = np.array([ball.radius if ball else math.nan for ball in balls])
+        self.whole = np.array([ball is not None and ball.whole for ball in balls], bool)
+        self.axes = np.array([elements[n].frame[2] for n in owners]).reshape(-1, 3)
+        position = np.array([elements[n].position for n in owners]).reshape(-1, 3)
+        self.centres = position + rise[:, None] * self.axes
+        reach = np.array([elements[n].reach for n in owners])
+        self.far = np.abs(position).max(axis=1, initial=0.0) + reach
+
+    def world(self, face: int, radius: float, height: float) -> list[Vec3]:
+        """Return three world points of a face's profile."""
+        element = self.elements[self.owner[face]]
+        local = [(radius * math.cos(a), radius * math.sin(a), height) for a in (0.1, 2.2, 4.3)]
+        points = np.array(element.position) + np.array(local) @ np.array(element.frame)
+        return [(float(x), float(y), float(z)) for x, y, z in points]
+
+    def lies_on(self, points: Sequence[Vec3], element: Element, face: int, room: float) -> bool:
+        """Say whether all of some world points lie on a face of an element."""
+        whole = element.faces[face]
+        return all(whole.touches(element.local(point), room) for point in points)
+
+
+def _round_pairs(near: Neighbours, rounds: _Rounds) -> Iterator[Shared]:
+    """Give the pairs of surfaces of revolution that coincide or touch."""
+    centres, radii, axes = rounds.centres, rounds.radii, rounds.axes
+    for i, j in face_pairs(near, rounds.begin, rounds.begin):
+        room = ROUNDING * (rounds.far[i] + rounds.far[j])
+        apart = np.linalg.norm(centres[j] - centres[i], axis=1)
+        sum_, difference = radii[i] + radii[j], np.abs(radii[i] - radii[j])
+        balls = ~np.isnan(sum_)
+        touching = balls & (np.abs(apart - sum_) <= room)
+        touching |= balls & (apart > room) & (np.abs(apart - difference) <= room)
+        across = np.linalg.norm(np.cross(axes[i], axes[j]), axis=1)
+        parallel = across * np.minimum(rounds.far[i], rounds.far[j]) <= room
+        # a whole ball has every axis through its centre
+        axis = np.where(rounds.whole[i, None], axes[j], axes[i])
+        aside = np.linalg.norm(np.cross(centres[j] - centres[i], axis), axis=1)
+        coaxial = (parallel | rounds.whole[i] | rounds.whole[j]) & (aside <= room)
+        same = np.where(balls, (apart <= room) & (difference <= room), coaxial)
+        for k in np.flatnonzero(touching | same).tolist():
+            a, b, slack = int(i[k]), int(j[k]), 4.0 * float(room[k])
+            shared = _compared(rounds, a, b, slack, point=bool(touching[k]))
+            if shared is not None:
+                yield shared
+
+
+def _compared(rounds: _Rounds, a: int, b: int, room: float, *, point: bool) -> Shared | None:
+    one, other = rounds.faces[a], rounds.faces[b]
+    first, second = (rounds.elements[rounds.owner[n]] for n in (a, b))
+    at = int(rounds.number[a]), int(rounds.number[b])
+    if point:
+        assert isinstance(one, Ball)
+        assert isinstance(other, Ball)
+        way = rounds.centres[b] - rounds.centres[a]
+        way /= np.linalg.norm(way)
+        outside = one.radius + other.radius
+        apart = float(np.linalg.norm(rounds.centres[b] - rounds.centres[a]))
+        inner = abs(apart - outside) > room  # one ball in the other
+        sign = -1.0 if inner and one.radius < other.radius else 1.0
+        touched = [tuple((rounds.centres[a] + sign * one.radius * way).tolist())]
+        if not (
+            rounds.lies_on(touched, first, at[0], room)
+            and rounds.lies_on(touched, second, at[1], room)
+        ):
+            return None
+        opposed = (one.sense * other.sense > 0.0) != inner
+    else:
+        if not _coincide(rounds, a, b, room):
+            return None
+        opposed = one.sense * other.sense < 0.0
+    exact = (first.position, first.frame, first.faces) == (
+        second.position,
+        second.frame,
+        second.faces,
+    )
+    return Shared(
+        int(rounds.owner[a]),
+        int(rounds.owner[b]),
+        *at,
+        point=point,
+        opposed=opposed,
+        exact=exact,
+    )
+
+
+def _coincide(rounds: _Rounds, a: int, b: int, room: float) -> bool:
+    """Say whether surfaces about one axis, or balls about one centre, share an area."""
+    one, other = rounds.faces[a], rounds.faces[b]
+    whole = isinstance(other, Ball) and other.whole
+    if isinstance(one, Ball) and one.whole:
+        if whole:
+            return True
+        a, b, one, other, whole = b, a, other, one, True
+    element = rounds.elements[rounds.owner[b]]
+    ends = one.profile(np.array([0.0, 1.0]))[1]
+    low, high = float(ends.min()), float(ends.max())
+    if not whole:
+        owner = rounds.elements[rounds.owner[a]]
+        rims = [
+            owner.local(rounds.world(b, 0.0, float(h))[0])[2]
+            for h in other.profile(np.array([0.0, 1.0]))[1]
+        ]
+        low, high = max(low, min(rims)), min(high, max(rims))
+    if not high - low > room:
+        return False
+    for part in _HEIGHTS:
+        height = low + part * (high - low)
+        radius = float(one.profile(np.array([one.place_at(height)]))[0][0])
+        if not rounds.lies_on(
+            rounds.world(a, radius, height), element, int(rounds.number[b]), room
+        ):
+            return False
+    return True
+
+
+def _touching_planes(near: Neighbours, planes: PlaneFaces, rounds: _Rounds) -> Iterator[Shared]:
+    """Give the pairs of a plane and a ball that touch."""
+    if not len(planes.faces):
+        return
+    for plane_first in (True, False):
+        begins = (planes.begin, rounds.begin)
+        for one, other in face_pairs(near, *(begins if plane_first else begins[::-1])):
+            p, b = (one, other) if plane_first else (other, one)
+            yield from _tangent(near, planes, rounds, p, b)
+
+
+def _tangent(
+    near: Neighbours,
+    planes: PlaneFaces,
+    rounds: _Rounds,
+    p: NDArray[np.int64],
+    b: NDArray[np.int64],
+) -> Iterator[Shared]:
+    normals = planes.frames[p, 2]
+    height = ((rounds.centres[b] - planes.centres[p]) * normals).sum(axis=1)
+    room = ROUNDING * (planes.far[p] + rounds.far[b])
+    for k in np.flatnonzero(np.abs(np.abs(height) - rounds.radii[b]) <= room).tolist():
+        plane, ball = int(p[k]), int(b[k])
+        foot = tuple((rounds.centres[ball] - height[k] * normals[k]).tolist())
+        slack = 4.0 * float(room[k])
+        numbers = int(planes.owner[plane]), int(rounds.owner[ball])
+        faces = int(planes.number[plane]), int(rounds.number[ball])
+        flat, curved = (near.elements[n] for n in numbers)
+        if not (
+            rounds.lies_on([foot], flat, faces[0], slack)
+            and rounds.lies_on([foot], curved, faces[1], slack)
+        ):
+            continue
+        sense = planes.faces[plane].sense * rounds.faces[ball].sense
+        turned = numbers[0] > numbers[1]
+        first, second = numbers[::-1] if turned else numbers
+        first_face, second_face = faces[::-1] if turned else faces
+        yield Shared(
+            first,
+            second,
+            first_face,
+            second_face,
+            point=True,
+            opposed=bool(sense * height[k] > 0.0),
+            exact=False,
+        )

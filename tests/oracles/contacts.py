@@ -1,0 +1,92 @@
+"""Bodies in contact: scenes of plane slabs, and what they must do."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from oracles import films, tracer
+from oracles.engine import scene_of, trace
+from oracles.scenes import BLACK, beam, glass
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from photizon_cl.scene.model import Scene
+
+THICK = 0.01
+"""Of each slab, in metres."""
+PENCIL = 1e-140
+"""Radius of a beam so thin that its rays start in the very position of the source."""
+
+
+def slabs(
+    indices: Sequence[float],
+    angle_deg: float,
+    axis: str = "+z",
+    tilt: tuple[float, float] = (0.0, 0.0),
+    place: Sequence[float] = (0.0, 0.0, 0.0),
+    order: Sequence[int] | None = None,
+    *,
+    cemented: bool = False,
+) -> Scene:
+    """Return slabs in contact, a beam onto the first, and black walls before and behind.
+
+    `order` is that of the faces, two a slab, in the file. Where slabs are cemented the touching
+    face of each has the next one's index outside, and the next one's is clear.
+    """
+    pose = {"axis": axis, "tilt_deg": list(tilt)}
+    u, v, w = (np.array(x) for x in tracer.frame(pose))
+    # half a turn about u of the untilted frame turns the normal round, whatever the tilt
+    turned = {"axis": axis, "tilt_deg": [tilt[0] + 180.0, tilt[1]]}
+    shape = {"kind": "rectangle", "half_width": 3.0, "half_height": 3.0}
+    at = lambda z: (np.array(place) + z * w).tolist()  # noqa: E731
+    faces = []
+    for n, index in enumerate(indices):
+        first, last = n == 0, n == len(indices) - 1
+        outside = 1.0 if last or not cemented else indices[n + 1]
+        front = glass(index) if first or not cemented else {"surface": {"kind": "clear"}}
+        front_face = {**shape, **turned, "position": at(n * THICK), **front}
+        back_face = {**shape, **pose, "position": at((n + 1) * THICK), **glass(index, outside)}
+        faces.append({"name": f"slab {n} front", **front_face})
+        faces.append({"name": f"slab {n} back", **back_face})
+    angle = math.radians(angle_deg)
+    d = math.sin(angle) * u + math.cos(angle) * w
+    height = 0.1 * math.cos(angle)
+    black = {**shape, **pose, **BLACK, "detector": {}}
+    walls = [
+        {"name": "before", **black, "position": at(-2.0 * height)},
+        {"name": "behind", **black, "position": at(2.0 * height + len(indices) * THICK)}
+        | {"detector": {"side": "back"}},
+    ]
+    lamp = beam(tuple((np.array(place) - 0.1 * d).tolist()), "+z", PENCIL)
+    lamp["tilt_deg"] = [
+        math.degrees(math.asin(max(-1.0, min(1.0, -d[1])))),
+        math.degrees(math.atan2(d[0], d[2])),
+    ]
+    return scene_of([lamp], [faces[n] for n in order or range(len(faces))] + walls)
+
+
+def is_film(scene: Scene, want: films.Film, cap: int, room: float = 1e-12) -> None:
+    """Assert what is transmitted, reflected and left after `cap` interactions."""
+    found = trace(scene, rays_per_batch=2, generation_cap=cap)
+    got = [
+        float(x) / 2
+        for x in (
+            found.detector("behind").power,
+            found.detector("before").power,
+            found.depth_capped,
+        )
+    ]
+    for value, wanted in zip(got, (want.transmitted, want.reflected, want.left), strict=True):
+        assert abs(value - wanted) < room, (got, want)
+
+
+def have_a_film() -> None:
+    """Two slabs, in both orders of the file, along the axes and tilted."""
+    want = films.stack([1.0, 1.5, 1.0, 1.8, 1.0], 60.0, 8)
+    for order in ((0, 1, 2, 3), (3, 2, 1, 0)):
+        for pose in (("+z", (0.0, 0.0), (0.0, 0.0, 0.0)), ("+z", (33.3, -71.7), (0.3, -0.2, 0.1))):
+            is_film(slabs([1.5, 1.8], 60.0, *pose, order=order), want, 8)
