@@ -132,6 +132,7 @@ def program_source(spec: ProgramSpec) -> str:
         "recorded": spec.recorded,
         "splits": spec.splits,
         "passes": spec.passes,
+        "orders": spec.orders,
         "hooks": _hooks(spec),
         "interleaved": spec.interleaved,
         "private_tallies": spec.private_tallies,

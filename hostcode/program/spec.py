@@ -203,6 +203,8 @@ class EffectParts:
         Whether rays go on as two.
     one_by_one : bool
         Whether each ray is searched for by itself, so that packets have one lane.
+    orders : bool
+        Whether a second search puts faces in one place in order (kernels/lib/nearest.mako).
     parameters : tuple of (str, int)
         Counts that the templates ask for.
     """
@@ -218,6 +220,7 @@ class EffectParts:
     records: tuple[str, ...] = ()
     splits: bool = False
     one_by_one: bool = False
+    orders: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
 
 
@@ -291,6 +294,11 @@ class ProgramSpec:
     def one_by_one(self) -> bool:
         """Whether each ray is searched for by itself."""
         return any(part.one_by_one for part in self.parts)
+
+    @property
+    def orders(self) -> bool:
+        """Whether a second search puts faces in one place in order."""
+        return any(part.orders for part in self.parts)
 
     @property
     def recorded(self) -> frozenset[str]:

@@ -1,7 +1,7 @@
-## cls: the element class; lanes, effects; rendered once a class
+## cls: the element class; lanes, orders; rendered once a class
 // An element of the class is asked whether a ray meets it, and where nearer than what it has met so
 // far, `h` becomes that.  Where two are equally near, the element named first in the file is hit.
-% if "coincidence" in effects:
+% if orders:
 // While the order of faces in one place is settled, it is offered for that instead.
 % endif
 // reads: the element's row and code, packet, what the ray left.  writes: hit.
@@ -17,7 +17,7 @@ FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, lon
     const mask ok = hit_${cls.suffix}(row, code, p, IEQ(left, lsplat(code)), scene, search, &t, &edge);
     const lint hit_code = lsplat(code);
 % endif
-% if "coincidence" in effects:
+% if orders:
     if (search->settling) {
         const mask asked = ok & search->shared & IN_OTHERS(hit_code);
         if (!ANY(asked)) return;

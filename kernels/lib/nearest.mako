@@ -1,4 +1,4 @@
-## classes: every element class of the program; effects
+## classes: every element class of the program; effects; orders
 // The nearest face ahead of every live lane.
 //
 // A ray that starts on a face it did not leave is doubtful: `crosses` must say whether it hits that
@@ -7,7 +7,7 @@
 FN void begin_search(search_t *search, int careful, hit_t *h) {
     search->careful = careful;
     search->doubtful = NO_LANES;
-% if "coincidence" in effects:
+% if orders:
     search->settling = 0;
 % endif
 % if "contact" in effects:
@@ -51,7 +51,7 @@ FN void nearest_of(const scene_t *scene, const packet_t *packets, uint n, hit_t 
             wanted ${point("nearest.searched", "&= ~(1u << l)")};
         }
     }
-% if "coincidence" in effects:
+% if orders:
     for (uint l = 0; l < n; l++) {
         if (packets[l].alive && begin_settling(scene, searches + l, packets + l, hits + l)) wanted |= 1u << l;
     }
@@ -83,7 +83,7 @@ ${scan()}\
         if (!ANY(search.doubtful)) break;
     }
     end_search(&search, p, h);
-% if "coincidence" in effects:
+% if orders:
     if (begin_settling(scene, &search, p, h)) {
 ${scan()}\
         end_settling(&search, h);

@@ -1,4 +1,4 @@
-## effects, classes, splits; launch_struct, item_struct, ray_struct (text of members); hit_fields; columns,
+## effects, classes, splits, orders; launch_struct, item_struct, ray_struct (text of members); hit_fields; columns,
 ## strides; code (fields of a code); counts (of notes)
 // The ray packet, the surface hit, and what one launch is told.
 
@@ -115,7 +115,7 @@ typedef struct {
 % if "contact" in effects:
     notes_t noted;
 % endif
-% if "coincidence" in effects:
+% if orders:
     int settling;      // whether this pass settles which of the faces in one place comes first
     mask shared;       // lanes in which that is to be settled
     real nearest;      // distance of the nearest face in m

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
 
 from photizon_cl.geometry.coincidence import shared_places
 from photizon_cl.geometry.neighbours import Neighbours
@@ -18,7 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["coincident_faces"]
 
 _NAMED: Final = 20
-"""So many pairs of a kind are named; of the others only how many there are."""
+"""So many pairs of refracting faces are named; of the others only how many there are."""
+_LOOKED: Final = 20_000
+"""So many pairs are looked at, which takes a second."""
 
 
 def coincident_faces(scene: Scene) -> Iterator[str]:
@@ -31,31 +35,41 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
     elements = _distinct(scene)
     near = Neighbours(elements)
     planes = PlaneFaces(elements)
-    covered: set[int] = set()
+    counts = np.array([e.surface.counts for e in elements], bool)
+    glass = np.array([e.surface.refracts for e in elements], bool)
+    covered = np.zeros(len(elements), bool)
     told: set[tuple[int, int]] = set()
-    more = 0
-    for pair in shared_places(near):
+    looked = 0
+
+    def wanted(i: Any, j: Any) -> Any:
+        return counts[i] & counts[j] & (glass[i] | glass[j] | ~covered[j])
+
+    for looked, pair in enumerate(shared_places(near, wanted)):
+        if looked >= _LOOKED:
+            break
         i, j = pair.first, pair.second
         one, other = elements[i], elements[j]
-        glass = [e for e in (one, other) if e.surface.refracts]
-        if not (one.surface.counts and other.surface.counts) or (i, j) in told:
+        if not (glass[i] or glass[j]):
+            text = None if pair.point else _covered(planes, pair, one, other)
+            if text is not None:
+                covered[j] = True
+                yield text
             continue
-        if not glass:
-            if j not in covered and not pair.point:
-                text = _covered(planes, pair, one, other)
-                if text is not None:
-                    covered.add(j)
-                    yield text
+        if (i, j) in told:
             continue
         told.add((i, j))
         if len(told) > _NAMED:
-            more += 1
-        elif len(glass) == 1:
-            yield _on_glass(pair, glass[0], other if glass[0] is one else one)
-        else:
+            continue
+        if glass[i] and glass[j]:
             yield _film(one, other, pair) if pair.opposed else _nested(one, other)
-    if more:
-        yield f"{more} more pairs of elements have refracting faces in one place"
+        else:
+            yield _on_glass(pair, *((one, other) if glass[i] else (other, one)))
+    if len(told) > _NAMED:
+        yield f"{len(told) - _NAMED} more pairs of elements have refracting faces in one place"
+    if looked >= _LOOKED:
+        yield (
+            f"more than {_LOOKED} pairs of faces lie in one place: of the others nothing is said"
+        )
 
 
 def _distinct(scene: Scene) -> list[Element]:
@@ -75,6 +89,13 @@ def _distinct(scene: Scene) -> list[Element]:
 
 def _covered(planes: PlaneFaces, pair: Shared, one: Element, other: Element) -> str | None:
     """Say that an element that is named first takes the hits of another one."""
+    axis = one.class_axis if one.flat and one.class_axis == other.class_axis else None
+    if axis is not None and one.position[axis] != other.position[axis]:
+        return (
+            f'elements "{one.name}" and "{other.name}" lie in one plane to within rounding: which '
+            "of them is nearer is all but left to rounding; give both the same coordinate, then "
+            "the one named first is hit, or move one of them farther off"
+        )
     whole = False
     if one.sole_face is not None and other.sole_face is not None and one.flat and other.flat:
         small, large = (int(planes.begin[n]) for n in (pair.second, pair.first))
@@ -106,8 +127,8 @@ def _film(one: Element, other: Element, pair: Shared) -> str:
         text += f"of index {outside:g} between them, whatever their order in the file"
     else:
         text += (
-            f'between them, of index {outside:g} for "{one.name}" and {apart:g} for "{other.name}": '
-            "make the two equal"
+            f'between them, of index {outside:g} for "{one.name}" and {apart:g} for '
+            f'"{other.name}": make the two equal'
         )
     if pair.point:
         return text
@@ -123,9 +144,9 @@ def _film(one: Element, other: Element, pair: Shared) -> str:
 
 def _nested(one: Element, other: Element) -> str:
     return (
-        f'elements "{one.name}" and "{other.name}" have faces in one place that point the same way: '
-        f'light crosses both, that of "{one.name}" first, which is named first; if one is in the '
-        "other, leave a gap or make one of them clear"
+        f'elements "{one.name}" and "{other.name}" have faces in one place that point the same '
+        f'way: light crosses both, that of "{one.name}" first, which is named first; if one is in '
+        "the other, leave a gap or make one of them clear"
     )
 
 

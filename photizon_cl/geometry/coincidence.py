@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.geometry.neighbours import Neighbours
+    from photizon_cl.geometry.planes import Wanted
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.surfaces import Surface
@@ -46,7 +47,7 @@ class Shared:
     opposed : bool
         Whether their normals point against each other there, as those of bodies in contact.
     exact : bool
-        Whether every ray finds them at the same distance to the last bit.
+        Whether rounding never makes the farther one seem nearer.
     """
 
     first: int
@@ -58,11 +59,14 @@ class Shared:
     exact: bool
 
 
-def shared_places(near: Neighbours) -> Iterator[Shared]:
-    """Give the faces of different elements that lie in one place within rounding."""
+def shared_places(near: Neighbours, wanted: Wanted) -> Iterator[Shared]:
+    """Give the faces of different elements that lie in one place within rounding.
+
+    `wanted` is asked which pairs of elements are looked at, see `coplanar`.
+    """
     planes = PlaneFaces(near.elements, every=True)
     rounds = _Rounds(near.elements)
-    for k, m, _ in coplanar(near, planes):
+    for k, m in coplanar(near, planes, wanted):
         i, j = int(planes.owner[k]), int(planes.owner[m])
         senses = planes.faces[k].sense * planes.faces[m].sense
         yield Shared(
@@ -72,25 +76,35 @@ def shared_places(near: Neighbours) -> Iterator[Shared]:
             int(planes.number[m]),
             point=False,
             opposed=bool(senses * np.dot(planes.frames[k, 2], planes.frames[m, 2]) < 0.0),
-            exact=_same_plane(near.elements[i], near.elements[j]),
+            exact=_ordered(near.elements[i], near.elements[j]),
         )
     if len(rounds.faces):
-        yield from _round_pairs(near, rounds)
-        yield from _touching_planes(near, planes, rounds)
+        found = (*_round_pairs(near, rounds), *_touching_planes(near, planes, rounds))
+        yield from (pair for pair in found if wanted(pair.first, pair.second))
 
 
 def unordered(near: Neighbours) -> Iterator[tuple[int, int]]:
-    """Give the pairs of elements whose order in one place is for the kernels to settle.
+    """Give pairs of elements whose order in one place is for the kernels to settle.
 
-    Elsewhere it follows from the file: where surfaces of one rank are hit at exactly one distance,
-    or light passes all of them as if nothing were there.
+    All elements for which that is so are among them, not all pairs. Elsewhere the order follows
+    from the distances and the file: where rounding cannot exchange two opaque faces, or light
+    passes both as if nothing were there.
     """
     elements = near.elements
-    for pair in shared_places(near):
-        a, b = elements[pair.first].surface, elements[pair.second].surface
-        settled = _plain(a) and _plain(b) and (pair.exact or pair.point)
-        if not (settled or (_passed(a) and _passed(b))):
-            yield pair.first, pair.second
+    plain = np.array([_plain(e.surface) for e in elements], bool)
+    passed = np.array([_passed(e.surface) for e in elements], bool)
+    axes = np.array([e.class_axis if e.flat and e.class_axis is not None else -1 for e in elements])
+    marked = np.zeros(len(elements), bool)
+
+    def wanted(i: Any, j: Any) -> Any:
+        ordered = plain[i] & plain[j] & (axes[i] == axes[j]) & (axes[i] >= 0)
+        return ~(ordered | (passed[i] & passed[j]) | (marked[i] & marked[j]))
+
+    for pair in shared_places(near, wanted):
+        i, j = pair.first, pair.second
+        if not (plain[i] and plain[j] and (pair.exact or pair.point)):
+            marked[i] = marked[j] = True
+            yield i, j
 
 
 def _plain(surface: Surface) -> bool:
@@ -101,12 +115,15 @@ def _passed(surface: Surface) -> bool:
     return not surface.counts
 
 
-def _same_plane(a: Element, b: Element) -> bool:
-    """Say whether the kernels find the same distance to two flat elements in one plane."""
+def _ordered(a: Element, b: Element) -> bool:
+    """Say whether the kernels tell by the distances alone which of two flat elements is nearer.
+
+    Planes across one axis differ in a coordinate or not at all, and rounding keeps their order.
+    """
     if not (a.flat and b.flat):
         return False
     if a.class_axis is not None and a.class_axis == b.class_axis:
-        return a.position[a.class_axis] == b.position[a.class_axis]
+        return True
     normal, other = a.frame[2], b.frame[2]
     opposite = tuple(-x for x in other)
     return a.position == b.position and normal in (other, opposite)

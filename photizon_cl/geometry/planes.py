@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from photizon_cl.scene.faces import Plane
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from photizon_cl.scene.frames import Vec3
 
     Numbers = NDArray[np.int64]
+    Wanted = Callable[[Any, Any], Any]
+    """Says of the elements with some numbers, or with two, whether a pair of them is looked at."""
 
 __all__ = ["ROUNDING", "PlaneFaces", "coplanar", "dot", "face_pairs", "lies_within", "overlap"]
 
@@ -144,10 +146,11 @@ def face_pairs(
             start = stop
 
 
-def coplanar(near: Neighbours, faces: PlaneFaces) -> Iterator[tuple[int, int, float]]:
-    """Give pairs of faces in one plane to rounding that overlap, and that rounding in metres.
+def coplanar(near: Neighbours, faces: PlaneFaces, wanted: Wanted) -> Iterator[tuple[int, int]]:
+    """Give pairs of faces of different elements in one plane to rounding that overlap.
 
-    Faces of different elements, that of the first one first.
+    That of the first element comes first. `wanted` is asked which pairs of elements are looked at,
+    by their numbers, some thousands at once and each again before it is given.
     """
     frames, centres, halves, far = faces.frames, faces.centres, faces.halves, faces.far
     size = halves.max(axis=1, initial=0.0)
@@ -165,8 +168,10 @@ def coplanar(near: Neighbours, faces: PlaneFaces) -> Iterator[tuple[int, int, fl
                     halves[other, m] * np.abs(dot(frames[other, m], along)) for m in (0, 1)
                 )
                 flush &= np.abs(dot(apart, along)) < reach - room
-        found = zip(i[flush].tolist(), j[flush].tolist(), room[flush].tolist(), strict=True)
-        yield from (pair for pair in found if overlap(faces, pair[0], pair[1]))
+        flush &= wanted(faces.owner[i], faces.owner[j])
+        for k, m in zip(i[flush].tolist(), j[flush].tolist(), strict=True):
+            if wanted(faces.owner[k], faces.owner[m]) and overlap(faces, k, m):
+                yield k, m
 
 
 def overlap(faces: PlaneFaces, i: int, j: int) -> bool:

@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
-from oracles import chance, gates, kernels
+from oracles import chance, contacts, gates, kernels
 from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, cube, matt, wall
 
@@ -229,6 +229,21 @@ MUTANTS = (
         'of equal distances the last named is hit',
         {'meet.first_named': 'IGT(hit_code, h->code)'},
         gates.first_named_is_hit,
+    ),
+    Mutant(
+        'glass that is left has no precedence where bodies touch',
+        {'coincidence.refracting': 'lsplat(2L)'},
+        contacts.have_a_film,
+    ),
+    Mutant(
+        'rounding decides which of the faces in one place is nearer',
+        {'coincidence.room': 'R(0.0)'},
+        contacts.have_a_film,
+    ),
+    Mutant(
+        'a clear face takes the place in the file that it has',
+        {'coincidence.clear': 'lsplat(2L)'},
+        contacts.clear_lies_in_front,
     ),
     Mutant(
         "a ray taken in turn goes on among another's boxes",

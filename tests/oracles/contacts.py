@@ -9,7 +9,7 @@ import numpy as np
 
 from oracles import films, tracer
 from oracles.engine import scene_of, trace
-from oracles.scenes import BLACK, beam, glass
+from oracles.scenes import BLACK, beam, glass, mirror, wall
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,7 +38,7 @@ def slabs(
     face of each has the next one's index outside, and the next one's is clear.
     """
     pose = {"axis": axis, "tilt_deg": list(tilt)}
-    u, v, w = (np.array(x) for x in tracer.frame(pose))
+    u, _, w = (np.array(x) for x in tracer.frame(pose))
     # half a turn about u of the untilted frame turns the normal round, whatever the tilt
     turned = {"axis": axis, "tilt_deg": [tilt[0] + 180.0, tilt[1]]}
     shape = {"kind": "rectangle", "half_width": 3.0, "half_height": 3.0}
@@ -90,3 +90,16 @@ def have_a_film() -> None:
     for order in ((0, 1, 2, 3), (3, 2, 1, 0)):
         for pose in (("+z", (0.0, 0.0), (0.0, 0.0, 0.0)), ("+z", (33.3, -71.7), (0.3, -0.2, 0.1))):
             is_film(slabs([1.5, 1.8], 60.0, *pose, order=order), want, 8)
+
+
+def clear_lies_in_front() -> None:
+    """A clear plane in a mirror, named behind it: what arrives and what is sent back pass it."""
+    for surface, back in ((mirror(0.5), 0.5), (BLACK, 0.0)):
+        faces = [
+            {**wall((0.0, 0.0, 0.0), "+z"), "name": "wall", **surface},
+            {**wall((0.0, 0.0, 0.0), "+z"), "name": "plane", "surface": {"kind": "clear"}},
+        ]
+        for side, power in (("front", 1.0), ("back", back)):
+            faces[1]["detector"] = {"side": side}
+            found = trace(scene_of([beam((0.0, 0.0, 1.0), "-z")], faces), rays_per_batch=64)
+            assert float(found.detector("plane").power) / 64 == power

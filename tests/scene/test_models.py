@@ -54,7 +54,7 @@ def test_every_kind_has_an_effect():
     words = {name for name in EFFECTS if "." not in name}
     assert words == {
         "splitting", "roulette", "tilt", "port", "contact", "acceleration", "far-field", "detector",
-        "map", "ladder", "shares",
+        "map", "ladder", "shares", "coincidence",
     }  # fmt: skip
     assert all(effect.what and effect.costs for effect in EFFECTS.values())
     with pytest.raises(TypeError):
@@ -381,25 +381,35 @@ def test_an_element_that_is_partly_under_one_named_before():
     assert 'partly flush in "left"' in line
 
 
-@pytest.mark.parametrize("order", [1, -1])
-def test_tilted_elements_whose_plane_is_one_to_rounding(order):
-    wall = plate(tilt_deg=(25.0, 30.0))
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (25.0, 30.0)])
+def test_the_one_named_first_takes_the_hits_of_what_lies_in_its_plane(tilt):
+    wall = plate(tilt_deg=tilt)
     u, v, w = wall.frame
     at = tuple(0.3 * a + 0.2 * b for a, b in zip(u, v, strict=True))
-    spot = disk(0.3, tilt_deg=(25.0, 30.0), position=at)
-    (line,) = advisories([point(0, 0, 1)], [wall, spot][::order])
-    assert "is left to rounding, ray by ray" in line
+    spot = disk(0.3, tilt_deg=tilt, position=at)
+    (line,) = advisories([point(0, 0, 1)], [wall, spot])
+    assert 'named first and takes every hit where both are equally near: "disk" is never' in line
+    assert advisories([point(0, 0, 1)], [spot, wall]) == []
     lifted = tuple(a + 1e-12 * b for a, b in zip(at, w, strict=True))
-    assert (
-        advisories([point(0, 0, 1)], [wall, dataclasses.replace(spot, position=lifted)][::order])
-        == []
-    )
+    spot = dataclasses.replace(spot, position=lifted)
+    assert advisories([point(0, 0, 1)], [wall, spot]) == []
 
 
-def test_what_lies_flush_behind_glass_is_hit():
+def test_planes_an_ulp_apart():
+    wall, spot = plate(z=1.0), disk(0.3, position=(0.0, 0.0, math.nextafter(1.0, 2.0)))
+    for order in (1, -1):
+        (line,) = advisories([point(0, 0, 2)], [wall, spot][::order])
+        assert "give both the same coordinate" in line
+
+
+def test_what_lies_flush_behind_glass_is_told():
     glass = pz.Fresnel(1.5)
-    assert advisories([point(0, 0, 1)], [plate(glass), disk(0.3)]) == []
-    assert advisories([point(0, 0, 1)], [plate(glass), plate(name="twin")]) == []
+    (line,) = advisories([point(0, 0, 1)], [plate(glass), disk(0.3)])
+    assert 'element "disk" lies on the glass of "plate": light inside leaves that first' in line
+    assert 'give "plate" index_outside = 1.5' in line
+    (line,) = advisories([point(0, 0, 1)], [plate(glass), plate(name="twin")])
+    assert '"disk"' not in line
+    assert 'what comes from outside meets "twin" first' in line
     three = [plate(), plate(name="twin"), disk(0.3, name="small"), disk(0.3, name="smaller")]
     assert len(advisories([point(0, 0, 1)], three)) == 3  # a line for each
 

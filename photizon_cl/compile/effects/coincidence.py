@@ -25,7 +25,6 @@ class Coincidence(Effect):
     name: ClassVar[str] = "coincidence"
     what: ClassVar[str] = "faces of several elements in one place: their order"
     costs: ClassVar[str] = "a second search for each ray that meets such a face"
-    in_text: ClassVar[bool] = True
     row: ClassVar[Row] = Row(
         "COINCIDENCE", ("room", "m", "how far rounding may move a face, at most, eight times over")
     )
@@ -52,4 +51,4 @@ class Coincidence(Effect):
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return what settles the order, which the elements' functions call."""
-        return EffectParts(libraries=("lib/coincidence",))
+        return EffectParts(libraries=("lib/coincidence",), orders=True)
