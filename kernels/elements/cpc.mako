@@ -62,7 +62,17 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const mask departed = IEQ(left, lsplat(code));
     const mask inside_departed = departed & IEQ(p->left & 2L, lsplat(0L));
     mask possible = p->alive & (inside_departed | (~departed & meets & LE(first, last)));
-    if (!ANY(possible)) {
+% if "contact" in effects:
+    // a ray that starts beside the wall remembers on which side, also where it goes away for good; whether
+    // it is noted must not depend on the other lanes
+    const double most = fma(2.0 * row[CPC_OUTER] + row[CPC_LENGTH], 8.0 * UNIT_ROUNDOFF, row[CPC_NEAR]);
+    const double wide = 128.0 * most;
+    const mask around = ~departed & p->alive & LE(cc, splat(wide * (wide + 2.0 * row[CPC_OUTER])))
+        & LE(fabs(r.z - R(0.5 * row[CPC_LENGTH])), splat(wide + 0.5 * row[CPC_LENGTH]));
+% else:
+    const mask around = nowhere;
+% endif
+    if (!ANY(possible | around)) {
         *t_out = far;
         *face_out = lsplat(0L);
         return NO_LANES;
@@ -71,9 +81,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const real near = fma(size, splat(8.0 * UNIT_ROUNDOFF), splat(row[CPC_NEAR]));
     mask on_wall = LE(fabs(start.f), near), starts = nowhere;
 % if "contact" in effects:
-    const double most = fma(2.0 * row[CPC_OUTER] + row[CPC_LENGTH], 8.0 * UNIT_ROUNDOFF, row[CPC_NEAR]);
-    const mask beside = ~departed & p->alive & LE(fabs(start.f), ${point("cpc.beside", "splat(64.0 * most)")})
-        & LE(fabs(r.z - R(0.5 * row[CPC_LENGTH])), splat(128.0 * most + 0.5 * row[CPC_LENGTH]));
+    const mask beside = around & LE(fabs(start.f), ${point("cpc.beside", "splat(64.0 * most)")});
     search->doubtful |= beside;
     on_wall = nowhere;
     if (search->careful && ANY(beside)) {
