@@ -99,8 +99,8 @@ def _shape(kind: str, size: Any) -> dict[str, Any]:
 
 
 KINDS = (
-    "rectangle", "rectangle", "disk", "disk", "sphere", "sphere", "cylinder", "cone", "conic", "cpc",
-    "baffled-tube", "plano-convex", "plano-convex", "biconvex",
+    "rectangle", "rectangle", "disk", "disk", "sphere", "sphere", "cylinder", "cone", "conic",
+    "cpc", "baffled-tube", "plano-convex", "plano-convex", "biconvex",
 )  # fmt: skip
 WALLS = ("cylinder", "cone", "cpc", "baffled-tube")
 

@@ -5,11 +5,22 @@
 
 from __future__ import annotations
 
-__all__ = ["Abandoned", "CacheWarning", "DeviceError", "HostError", "KernelBuildError"]
+__all__ = [
+    "Abandoned",
+    "CacheWarning",
+    "DeviceError",
+    "HostError",
+    "KernelBuildError",
+    "QueueFull",
+]
 
 
 class HostError(Exception):
     """Base of every error that `hostcode` raises on purpose."""
+
+
+class QueueFull(HostError):  # noqa: N818 - what it is, as `Abandoned`
+    """More rays wait to be followed than there may be room for."""
 
 
 class DeviceError(HostError):

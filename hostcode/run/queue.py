@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.errors import HostError
+from hostcode.errors import QueueFull
 from hostcode.program.fields import of_type
 from hostcode.program.structs import ITEM, numpy_dtype
 
 if TYPE_CHECKING:
     import pyopencl as cl
-    from numpy.typing import NDArray
 
     from hostcode.device.device import OpenDevice
     from hostcode.program.spec import ProgramSpec
 
-__all__ = ["Queue"]
+__all__ = ["BUDGET", "Queue"]
+
+BUDGET: Final = 1 << 30
+"""Bytes of device memory that waiting rays may take."""
 
 
 class Queue:
@@ -40,6 +42,7 @@ class Queue:
 
         self._cl, self._device, self._spec = cl, device, spec
         self.n_items, self.capacity = n_items, capacity
+        self.budget = BUDGET
         self._layout: tuple[tuple[int, Any], ...] = (
             (len(of_type(spec.ray_fields, "real")), np.float64),
             (len(of_type(spec.ray_fields, "word")), np.uint32),
@@ -47,6 +50,7 @@ class Queue:
         )
         size = n_items * numpy_dtype(ITEM).itemsize
         self.items = cl.Buffer(device.context, cl.mem_flags.READ_WRITE, size)
+        self._check(capacity)
         self.fields = [self._allocate(n, dtype) for n, dtype in self._layout]
 
     @property
@@ -56,34 +60,62 @@ class Queue:
 
     def _allocate(self, n: int, dtype: Any) -> cl.Buffer:
         size = n * self.places * np.dtype(dtype).itemsize
-        limit = self._device.record.max_allocation
-        if size > limit:
-            raise HostError(
-                f"queue: {self.capacity} waiting rays for each of {self.n_items} work-items need a "
-                f"buffer of {size} bytes, and {self._device.record.name} allows {limit}: lower "
-                "generation_cap, set roulette_floor, or run fewer rays at once"
-            )
         return self._cl.Buffer(self._device.context, self._cl.mem_flags.READ_WRITE, size)
 
-    def _shape(self, n: int, capacity: int) -> tuple[int, ...]:
+    def _check(self, capacity: int) -> None:
+        """See that segments of so many rays may be had.
+
+        Raises
+        ------
+        QueueFull
+            Where they are larger than a buffer or the budget may be.
+        """
+        sizes = [
+            n * self.n_items * capacity * np.dtype(dtype).itemsize for n, dtype in self._layout
+        ]
+        record = self._device.record
+        if max(sizes) <= record.max_allocation and sum(sizes) <= self.budget:
+            return
+        raise QueueFull(
+            f"{self.n_items * capacity // 2} rays that split off are waiting and more come: "
+            f"room for twice as many takes {sum(sizes) / 1e9:.1f} GB, and the queue may have "
+            f"{min(record.max_allocation, self.budget) / 1e9:.1f} GB"
+        )
+
+    def _rows(self, n: int, capacity: int) -> tuple[int, int]:
+        """Return how many rows a field's buffer has that stay together, and how long each is."""
         if self._spec.interleaved:
-            return (n, capacity, self.n_items)
-        return (n, self.n_items, capacity)
+            return n, capacity * self.n_items
+        return n * self.n_items, capacity
 
     def grow(self) -> None:
-        """Double the room of every segment and keep what waits in it."""
-        old = self.capacity
-        kept: list[NDArray[Any]] = []
-        for buffer, (n, dtype) in zip(self.fields, self._layout, strict=True):
-            array = np.empty(self._shape(n, old), dtype)
-            self._cl.enqueue_copy(self._device.queue, array, buffer)
-            kept.append(array)
+        """Double the room of every segment and keep what waits in it.
+
+        Raises
+        ------
+        QueueFull
+            Where there is no room for it; then everything is as it was.
+        """
+        old, kept = self.capacity, self.fields
+        self._check(2 * old)
         self.capacity = 2 * old
-        self.fields = [self._allocate(n, dtype) for n, dtype in self._layout]
-        for buffer, array, (n, dtype) in zip(self.fields, kept, self._layout, strict=True):
-            wide = np.zeros(self._shape(n, self.capacity), dtype)
-            if self._spec.interleaved:
-                wide[:, :old, :] = array
-            else:
-                wide[:, :, :old] = array
-            self._cl.enqueue_copy(self._device.queue, buffer, wide)
+        self.fields = []
+        for n, dtype in self._layout:
+            buffer = kept.pop(0)  # field by field, so that no more than one is held twice
+            wide = self._allocate(n, dtype)
+            rows, length = self._rows(n, old)
+            size = np.dtype(dtype).itemsize
+            if rows:
+                self._cl.enqueue_copy(
+                    self._device.queue,
+                    wide,
+                    buffer,
+                    src_origin=(0, 0, 0),
+                    dst_origin=(0, 0, 0),
+                    region=(length * size, rows, 1),
+                    src_pitches=(length * size,),
+                    dst_pitches=(2 * length * size,),
+                )
+                self._device.queue.finish()
+            buffer.release()
+            self.fields.append(wide)

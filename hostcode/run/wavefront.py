@@ -49,6 +49,11 @@ _FULLEST: Final = 2.0**62
 """Units of 2^-31 launched weights that a batch's cells may hold together."""
 _TALLY_BYTES: Final = 256 << 20
 """Device memory that the slots' tallies may take."""
+_FIRST_STEPS: Final = 1 << 14
+"""Steps of a packet in the first launch; then they follow how long launches take."""
+_LAUNCH_SECONDS: Final = (0.05, 0.2)
+"""A launch shorter than the first has twice the steps next time, one longer than the second half.
+Between launches a run may be given up."""
 _COPIES_BYTES: Final = 64 << 20
 """Device memory that the tally stage's own copies may take."""
 
@@ -129,6 +134,7 @@ class Engine:
         self._status = allocate(8 * len(STATUS))
         self._tally = allocate(8 * CELL * tables.n_cells * self._slots)
         self._tally_copies = allocate(self._copies * self._tally.size)
+        self._steps = min(_FIRST_STEPS, plan.max_bounces)
         self._clean = False  # whether nothing of an earlier run is left in the tally's copies
         self._record_capacity = self._count_records() if spec.records else 0
         records = self._items * self._record_capacity
@@ -247,9 +253,14 @@ class Engine:
             )
         self._kernels = kernels
 
+    @property
+    def _most_steps(self) -> int:
+        """Steps of a launch that cannot fill a sum."""
+        flushed = max(_EVENTS_BEFORE_FLUSH // (2 * self._items * self.plan.lanes), 1)
+        return min(self.plan.max_bounces, flushed)
+
     def _write_launch(self, first_batch: int, items: int | None = None) -> None:
         plan = self.plan
-        steps = max(_EVENTS_BEFORE_FLUSH // (2 * self._items * plan.lanes), 1)
         capacity = self._queue.capacity
         splitting = self.tables.spec.splits
         launch = launch_of(
@@ -257,7 +268,7 @@ class Engine:
             ray_base=first_batch * self._rays_per_batch,
             slots=self._slots,
             items=self._items if items is None else items,
-            max_bounces=min(plan.max_bounces, steps),
+            max_bounces=min(self._steps, self._most_steps),
             refill=min(plan.refill, plan.lanes),
             fill=capacity // 2 if splitting else capacity,
             stack_capacity=capacity,
@@ -321,7 +332,9 @@ class Engine:
             self.statistics.waves += 1
             self._cl.enqueue_copy(self.device.queue, self._queue.items, items)
             while True:
+                began = time.perf_counter()
                 unfinished, blocked, interactions, passed = self._launch()
+                took = time.perf_counter() - began
                 self.statistics.interactions += interactions
                 events += interactions + passed
                 if events > _EVENTS_BEFORE_FLUSH:
@@ -334,9 +347,23 @@ class Engine:
                     raise Abandoned
                 if blocked:
                     self._grow(first_batch)
+                elif self._adapt(took):
+                    self._write_launch(first_batch)
         total = self._flush(total)
         self._clean = True
         return total
+
+    def _adapt(self, took: float) -> bool:
+        """Choose how many steps the next launch has; say whether that is another number."""
+        short, long = _LAUNCH_SECONDS
+        steps = self._steps
+        if took > long:
+            steps = max(steps // 2, 1)
+        elif took < short:
+            steps = min(2 * steps, self._most_steps)
+        changed = steps != self._steps
+        self._steps = steps
+        return changed
 
     def _waves(self, slots: int) -> Iterator[NDArray[np.void]]:
         """Give the work-items' states at the start of each wave."""

@@ -128,7 +128,7 @@ def _surfaces(scene: Scene) -> Iterator[str]:
     splitters = [e.name for e in scene.element if e.surface.splits]
     reflectors = [e.name for e in scene.element if e.surface.reflects and not e.surface.transmits]
     run = scene.run
-    growing = run.roulette_floor == 0.0 and run.generation_cap > _SPLITTING_CAP
+    growing = scene.roulette_floor() == 0.0 and run.generation_cap > _SPLITTING_CAP
     if splitters and reflectors and growing:
         other = next((name for name in reflectors if name != splitters[0]), None)
         back = f'and "{other}" can send both back' if other else "and either may meet it again"

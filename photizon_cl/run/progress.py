@@ -40,12 +40,12 @@ class Clock:
     def must_stop(self) -> bool:
         """Say whether the batches in flight are to be given up: time is up and there are others.
 
-        The first batch of a call has twice the time and ten seconds more.
+        The first batch of a call has a fifth more, and a second.
         """
         if self.limit is None:
             return False
         first = self.batches == self.first
-        return self.elapsed() >= (2.0 * self.limit + 10.0 if first else self.limit)
+        return self.elapsed() >= (1.2 * self.limit + 1.0 if first else self.limit)
 
     def batches_in_time(self) -> int | None:
         """Return how many batches may go into a wave: one at first, to learn how long it takes."""

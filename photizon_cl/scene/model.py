@@ -22,6 +22,8 @@ __all__ = ["SCHEMA", "FarField", "RunSettings", "Scene", "between_objects", "sam
 SCHEMA: Final = "photizon/1"
 
 _LABELS: Final = ("name", "title", "notes")
+_FLOOR: Final = 1e-9
+"""The automatic roulette floor where rays split."""
 _WHEN_TO_STOP: Final = ("target_sigma", "max_seconds")
 
 
@@ -36,7 +38,7 @@ class Scene(Described):
     source : sequence of Source
         At least one; names unique; a share in all of them or in none.
     element : sequence of Element, optional
-        Names unique. Of two that are hit at the same distance the first is hit.
+        Names unique. Their order decides between faces of equal rank in one place.
     run : RunSettings, optional
         How the scene is run by default.
     far_field : FarField, optional
@@ -87,16 +89,25 @@ class Scene(Described):
             out["element"] = [_table(element) for element in self.element]
         return out
 
+    def roulette_floor(self, run: RunSettings | None = None) -> float:
+        """Return the floor of these settings, default `self.run`, in this scene, as a number."""
+        floor = (run or self.run).roulette_floor
+        if floor != "auto":
+            return floor
+        return _FLOOR if any(element.surface.splits for element in self.element) else 0.0
+
     def digest(self) -> str:
         """Return ``sha256:…`` over what determines the stream and the rows of its results.
 
         Included: every source and element with its name, in file order, the far-field bins, and
         of ``[run]`` seed, rays_per_batch, generation_cap, roulette_floor and the effects that it
         asks for. Left out: name, title, notes, and target_sigma and max_seconds, which only decide
-        when to stop. Defaults count as written out; floats enter by their exact hexadecimal value.
+        when to stop. Defaults count as written out, an
+        automatic floor as the number that it is; floats enter by their exact hexadecimal value.
         """
         table = {k: v for k, v in self.to_dict().items() if k not in _LABELS}
         table["run"] = {k: v for k, v in table["run"].items() if k not in _WHEN_TO_STOP}
+        table["run"]["roulette_floor"] = self.roulette_floor()
         text = json.dumps(
             _canonical(table), sort_keys=True, separators=(",", ":"), ensure_ascii=True
         )

@@ -114,6 +114,17 @@ class Number(Parameter):
         return number
 
 
+class NumberOrWord(Number):
+    """A number in an interval, or one word."""
+
+    def __init__(self, word: str, expected: str, low: float, high: float, **more: Any) -> None:
+        super().__init__(f'{expected}, or "{word}"', low, high, **more)
+        self._word = word
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        return value if value == self._word else super().read(value, path, problems)
+
+
 class Integer(Parameter):
     """An integer in a closed range."""
 
@@ -297,6 +308,11 @@ def positive_number(meaning: str) -> dict[str, Parameter]:
 def fraction(meaning: str, hint: str = "") -> dict[str, Parameter]:
     """Declare a number in [0, 1]."""
     return declare(Number("a number in [0, 1]", 0.0, 1.0, meaning=meaning, hint=hint))
+
+
+def fraction_or(word: str, meaning: str, hint: str = "") -> dict[str, Parameter]:
+    """Declare a number in [0, 1], or a word."""
+    return declare(NumberOrWord(word, "a number in [0, 1]", 0.0, 1.0, meaning=meaning, hint=hint))
 
 
 def refractive_index(meaning: str) -> dict[str, Parameter]:

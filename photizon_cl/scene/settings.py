@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Literal
 
 from photizon_cl.scene.described import Described
-from photizon_cl.scene.parameters import fraction, integer, number, words
+from photizon_cl.scene.parameters import fraction_or, integer, number, words
 
 MAX_SEED: Final = 2**64 - 1
 MAX_RAYS_PER_BATCH: Final = 2**24
@@ -31,8 +31,10 @@ class RunSettings(Described):
         Time at which a run stops, in (0, 1e9] seconds.
     generation_cap : int
         Interactions that are made of a ray and its descendants, 1 … 2^20 − 1.
-    roulette_floor : float
+    roulette_floor : float or "auto"
         Weight relative to the launched one below which roulette is played, in [0, 1]; 0 is off.
+        ``"auto"``: 10⁻⁹ in a scene whose rays split, else 0. What splits between two faces again
+        and again would else have no practical end.
     effects : tuple of str, optional
         Effects that are compiled in although nothing else in the scene calls for them, by the names
         that ``photizon kinds`` lists.
@@ -59,9 +61,11 @@ class RunSettings(Described):
     generation_cap: int = field(
         default=32, metadata=integer(1, MAX_GENERATION_CAP, "interactions made of a ray")
     )
-    roulette_floor: float = field(
-        default=0.0,
-        metadata=fraction("relative weight below which roulette is played", "0 switches it off"),
+    roulette_floor: float | Literal["auto"] = field(
+        default="auto",
+        metadata=fraction_or(
+            "auto", "relative weight below which roulette is played", "0 switches it off"
+        ),
     )
     effects: tuple[str, ...] | None = field(
         default=None, metadata=words("effects compiled in although nothing else calls for them")

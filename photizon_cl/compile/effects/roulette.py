@@ -25,8 +25,11 @@ class Roulette(Effect):
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Where there is a floor."""
-        floor = settings.roulette_floor
-        return f"roulette_floor is {floor:g}" if floor > 0.0 else None
+        floor = scene.roulette_floor(settings)
+        if floor <= 0.0:
+            return None
+        asked = settings.roulette_floor == floor
+        return f"roulette_floor is {floor:g}" + ("" if asked else ", as rays split")
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the play, and the launched weight that the floor is a fraction of."""
@@ -41,4 +44,4 @@ class Roulette(Effect):
 
     def assemble(self, draft: Draft) -> None:
         """Add the floor."""
-        draft.launch["roulette_floor"] = draft.settings.roulette_floor
+        draft.launch["roulette_floor"] = draft.scene.roulette_floor(draft.settings)

@@ -143,6 +143,7 @@ def run_table(result: Estimates) -> Table:
         f"at most {goal.max_seconds:g} s" if goal.max_seconds is not None else "",
     ]
     rate = info.interactions / info.seconds if info.seconds > 0.0 else None
+    floor = scene.roulette_floor()
     rows: list[tuple[str, str]] = [
         ("scene", scene.name),
         ("scene digest", _CODE.format(scene.digest())),
@@ -153,7 +154,7 @@ def run_table(result: Estimates) -> Table:
         ("rays", integer(result.rays)),
         ("goal", "; ".join(filter(None, goals)) or "none"),
         ("generation cap", integer(run.generation_cap)),
-        ("roulette floor", amount(run.roulette_floor) if run.roulette_floor else "0 (off)"),
+        ("roulette floor", amount(floor) if floor else "0 (off)"),
         ("interactions", integer(info.interactions)),
         ("time of the run", f"{info.seconds:.4g} s, without building programs"),
         ("time to build programs", f"{info.build_seconds:.3g} s"),
