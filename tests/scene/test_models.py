@@ -435,7 +435,46 @@ def test_fresnel_surfaces():
     (line,) = advisories([point(0, 0, 3)], [plate(pz.Fresnel(1.5, 1.5))])
     assert "both sides" in line
     pair = [plate(pz.Fresnel(1.5)), plate(pz.Mirror(1), z=-1.0, name="m")]
-    (line,) = advisories([point(0, 0, 3)], pair)
+    assert advisories([point(0, 0, 3)], pair) == []  # the automatic floor ends it
+    (line,) = advisories([point(0, 0, 3)], pair, roulette_floor=0.0)
     assert "roulette_floor" in line
     assert advisories([point(0, 0, 3)], pair, roulette_floor=1e-6) == []
-    assert advisories([point(0, 0, 3)], pair, generation_cap=8) == []
+    assert advisories([point(0, 0, 3)], pair, generation_cap=8, roulette_floor=0.0) == []
+
+
+def test_the_automatic_floor_is_a_number_where_rays_split():
+    glassy = pz.Scene("s", (point(0, 0, 3),), (plate(pz.Fresnel(1.5)),))
+    plain = pz.Scene("s", (point(0, 0, 3),), (plate(),))
+    assert (glassy.run.roulette_floor, glassy.roulette_floor()) == ("auto", 1e-9)
+    assert (plain.run.roulette_floor, plain.roulette_floor()) == ("auto", 0.0)
+    # a scene is the one that says the number, and each is kept as it was written
+    for scene, number in ((glassy, 1e-9), (plain, 0.0)):
+        said = dataclasses.replace(scene, run=pz.RunSettings(roulette_floor=number))
+        assert said.digest() == scene.digest()
+        assert said.to_dict()["run"]["roulette_floor"] == number
+        assert scene.to_dict()["run"]["roulette_floor"] == "auto"
+    with pytest.raises(pz.SceneError, match='a number in \\[0, 1\\], or "auto"'):
+        pz.RunSettings(roulette_floor="none")
+
+
+@pytest.mark.parametrize("panes", [2, 3])
+def test_glazing_reaches_its_target_as_it_is(panes):
+    """Double and triple glazing, with all defaults."""
+    faces = []
+    for n in range(panes):
+        for z, axis in ((0.02 * n, "-z"), (0.02 * n + 0.004, "+z")):
+            faces.append(
+                pz.Rectangle(
+                    name=f"{n} {axis}", position=(0.0, 0.0, z), axis=axis, half_width=0.5,
+                    half_height=0.5, surface=pz.Fresnel(1.5),
+                )
+            )  # fmt: skip
+    lamp = pz.CollimatedDisk(
+        name="lamp", flux=1.0, position=(0.0, 0.0, -0.1), axis="+z", radius=0.1
+    )
+    behind = plate(pz.Absorber(), z=0.1, name="behind", axis="-z", detector=pz.Detector())
+    result = pz.trace(pz.Scene("glazing", (lamp,), (*faces, behind)), rays_per_batch=1024)
+    assert result.converged
+    r = 0.04
+    through = (1.0 - r) / (1.0 + (2 * panes - 1) * r)  # of a pile of 2 n faces
+    assert result.detectors["behind"].power.value == pytest.approx(through, abs=1e-8)

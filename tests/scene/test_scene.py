@@ -53,7 +53,7 @@ def test_defaults_of_the_contract():
     scene = load(MINIMAL)
     assert scene.run == pz.RunSettings(
         seed=1, rays_per_batch=65536, target_sigma=0.05, max_seconds=60.0, generation_cap=32,
-        roulette_floor=0.0,
+        roulette_floor="auto",
     )  # fmt: skip
     assert scene.far_field is None
     assert scene.element == ()
