@@ -477,4 +477,6 @@ def test_glazing_reaches_its_target_as_it_is(panes):
     assert result.converged
     r = 0.04
     through = (1.0 - r) / (1.0 + (2 * panes - 1) * r)  # of a pile of 2 n faces
-    assert result.detectors["behind"].power.value == pytest.approx(through, abs=1e-8)
+    left = result.ledger.depth_capped.value + 1e-8
+    assert through - left <= result.detectors["behind"].power.value <= through + 1e-8
+    assert left < 1e-6
