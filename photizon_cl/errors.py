@@ -9,6 +9,8 @@ The tree::
     ├── RecipeError (also ValueError)   2   a recipe's token is not one, or cannot be used here
     └── RunError (also RuntimeError)    1   a run was started and failed
 
+What goes wrong in a run that goes on all the same is a `RunWarning`.
+
 The command line prints ``str(error)`` on standard error and leaves with ``exit_code``; anything
 else that surfaces is a defect of the program and keeps its traceback.
 """
@@ -114,6 +116,10 @@ class RunError(PhotizonError, RuntimeError):
     """A run was started and could not be finished."""
 
 
+class RunWarning(UserWarning):
+    """Something went wrong in a run that goes on all the same, to the same bits."""
+
+
 def join(prefix: str, path: str) -> str:
     """Join two key paths; an index such as ``[1]`` follows without a dot."""
     if not prefix or not path or path.startswith("["):
@@ -154,8 +160,7 @@ def _text(value: object, depth: int) -> str:
         return repr(float(value))
     if isinstance(value, str):
         cut = value if len(value) <= 2 * _WIDTH else value[: 2 * _WIDTH]
-        quoted = json.dumps(cut, ensure_ascii=False)
-        return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in quoted)
+        return printable(json.dumps(cut, ensure_ascii=False))
     if isinstance(value, list | tuple):
         if depth > 1:
             return "[…]"
@@ -167,5 +172,24 @@ def _text(value: object, depth: int) -> str:
         return "{" + ", ".join(f"{key(k)} = {_text(v, depth + 1)}" for k, v in items) + "}"
     if isinstance(value, type):
         return f"the class {value.__name__}"
-    text = " ".join(str(value).split())
-    return "".join(c if c.isprintable() else "?" for c in text[: 2 * _WIDTH])
+    return printable(" ".join(str(value).split())[: 2 * _WIDTH])
+
+
+def printable(text: str) -> str:
+    """Return a text with everything escaped that could move or hide what stands beside it.
+
+    Control characters would act on a terminal, and marks of the direction of writing would show a
+    line in another order than it has; line breaks are escaped too.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else _escape(ord(c)) for c in text)
+
+
+def printable_lines(text: str) -> str:
+    """Return a text of several lines, each as `printable` gives it."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def _escape(number: int) -> str:
+    return f"\\u{number:04x}" if number < 1 << 16 else f"\\U{number:08x}"

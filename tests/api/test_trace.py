@@ -19,7 +19,7 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.stopping import LEAST_BATCHES, Goal
 from photizon_cl.run.batches import _no_batch
-from photizon_cl.run.distribution import run_task
+from photizon_cl.run.workers import run_task
 from photizon_cl.run.progress import Clock
 
 QUICK = 2048
