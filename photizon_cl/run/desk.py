@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import queue
 import threading
-from concurrent.futures import CancelledError
+from concurrent.futures import BrokenExecutor, CancelledError
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -116,6 +116,8 @@ class Desk:
                 raise TypeError(f"submit gave a {type(future).__name__} and no Future")
             self._futures[ticket] = future
             when_done(lambda done: self._done(ticket, done))
+        except BrokenExecutor as broken:
+            self._answers.put(Answer(ticket, error=broken))
         except BaseException as error:
             wrapped = NotSubmittedError()
             wrapped.__cause__ = error

@@ -247,10 +247,10 @@ class Executed:
                 return
             self._answers += 1
             self._longest = max(self._longest, now - item.asked_at)
-        elif isinstance(error, NotSubmittedError):
-            self._fail(desk, item, f"a task could not be submitted ({_told(error.__cause__)})")
         elif isinstance(error, BrokenExecutor):
             self._give_up_on(f"the executor broke ({_told(error)})")
+        elif isinstance(error, NotSubmittedError):
+            self._fail(desk, item, f"a task could not be submitted ({_told(error.__cause__)})")
         elif isinstance(error, PhotizonError | HostError):
             raise error
         elif isinstance(error, pickle.PicklingError):

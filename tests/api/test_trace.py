@@ -381,17 +381,6 @@ def test_a_lost_task_is_run_again(sphere):
     assert executor.tries > 4
 
 
-def test_a_task_that_keeps_failing_is_told():
-    class Broken:
-        def submit(self, call, task):
-            future = Future()
-            future.set_exception(OSError("no route"))
-            return future
-
-    with pytest.raises(pz.RunError, match="failed twice on the executor"):
-        pz.trace("integrating-sphere", batches=2, rays_per_batch=QUICK, executor=Broken())
-
-
 @pytest.mark.parametrize("run", [{"roulette_floor": 0.7}, {"generation_cap": 2}])
 def test_the_ledger_closes_where_roulette_adds_and_takes_and_at_a_low_cap(run):
     scene = pz.load("box-room")
