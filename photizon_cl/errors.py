@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 _WIDTH = 60  # characters of a found value that a message shows
+MOST_PROBLEMS = 100  # of one scene that are told
 _INTEGER_BITS = 256  # longer integers are described; str() of a giant one is itself an error
 
 
@@ -75,23 +76,33 @@ class PhotizonError(Exception):
 
 
 class SceneError(PhotizonError, ValueError):
-    """A scene is not valid; carries every problem that was found, in reading order.
+    """A scene is not valid; carries the problems that were found, in reading order.
 
     Parameters
     ----------
     problems : iterable of Problem
-        At least one.
+        At least one. Of more than a hundred, the last one that is kept says how many there are.
     """
 
     exit_code: ClassVar[int] = 2
 
     def __init__(self, problems: Iterable[Problem]) -> None:
-        self.problems: tuple[Problem, ...] = tuple(problems)
+        self.problems: tuple[Problem, ...] = _first(tuple(problems))
         super().__init__(self.problems)
 
     def __str__(self) -> str:
         """Give one line for each problem."""
         return "\n".join(str(problem) for problem in self.problems)
+
+
+def _first(problems: tuple[Problem, ...]) -> tuple[Problem, ...]:
+    """Return as many problems as anybody reads."""
+    more = len(problems) - MOST_PROBLEMS + 1
+    if more < 2:
+        return problems
+    hint = f"the first {MOST_PROBLEMS - 1} are told"
+    last = Problem("", f"at least {more} more problems", "none", problems[0].file, hint)
+    return (*problems[: MOST_PROBLEMS - 1], last)
 
 
 class ArgumentError(PhotizonError, ValueError):
@@ -131,7 +142,7 @@ def key(name: object) -> str:
     """Return a key as it stands in a path: bare where TOML allows that, quoted otherwise."""
     if (
         isinstance(name, str)
-        and name
+        and 0 < len(name) <= _WIDTH
         and all(c.isascii() and (c.isalnum() or c in "-_") for c in name)
     ):
         return name

@@ -60,7 +60,7 @@ def call(arguments: argparse.Namespace) -> int:
     as_run = with_settings(scene, seed=arguments.seed, rays_per_batch=arguments.rays_per_batch)
     _tell_loss(arguments.out, as_run)
     said = _warn_of_splitting(scene)
-    with Display(scene.title or scene.name) as display:
+    with Display(scene.heading) as display:
         if recipe is not None:
             result = recipe.trace(
                 device=arguments.device, progress=display.update, checkpoint=arguments.out

@@ -15,19 +15,33 @@ from photizon_cl.run.workers import run_task
 
 
 class Doing:
-    """An executor whose answers to each task come from a function of the task and its number."""
+    """An executor whose answers come from a function of the task.
+
+    Parameters
+    ----------
+    answer : callable
+        What it does instead of `run_task`.
+    every : int
+        1: for all tasks, each time; more: for every so many tasks of two batches, the first time.
+    """
 
     _max_workers = 2
 
     def __init__(self, answer, every=1):
         self.answer, self.every = answer, every
         self.asked = 0
+        self.seen = set()
+
+    def right(self, task):
+        again = task.first in self.seen
+        self.seen.add(task.first)
+        return self.every > 1 and (again or task.first // 2 % self.every)
 
     def submit(self, call, task):
         assert call is run_task
         self.asked += 1
         future = Future()
-        if self.asked % self.every:
+        if self.right(task):
             future.set_result(call(task))
             return future
         try:
@@ -155,6 +169,7 @@ class Broken(Doing):
 
     def __init__(self):
         super().__init__(None, every=1 << 30)
+        self.seen.add(0)
 
     def submit(self, call, task):
         if self.asked >= 2:
@@ -202,6 +217,7 @@ class LosingOne(Doing):
 
     def __init__(self, batch, times=1):
         super().__init__(None, every=1 << 30)
+        self.seen.add(0)
         self.batch, self.times = batch, times
 
     def submit(self, call, task):
