@@ -66,7 +66,7 @@ class Keeper:
         except OSError as error:
             raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from None
         sweep(folder)
-        self._cost = 0.0
+        self._cost = self._written = 0.0
         self._failed = False
         try:
             self._write(start)
