@@ -220,7 +220,7 @@ def _read(path: Path) -> Estimates:
     )
     tally = Accumulator.of(compiled.layout, state)
     info = read_info(attrs, arrays)
-    check_tally(compiled, tally, info)
+    check_tally(compiled, state, tally, info)
     return Estimates(compiled, tally, info)
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.compile.layout import TallyLayout
-    from photizon_cl.result.statistics import Accumulator
+    from photizon_cl.result.statistics import Accumulator, AccumulatorState
 
 __all__ = ["check_shapes", "check_tally", "integer", "read_info"]
 
@@ -170,8 +170,21 @@ def read_info(attrs: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> R
     )
 
 
-def check_tally(compiled: CompiledScene, tally: Accumulator, info: RunInfo) -> None:
+def check_tally(
+    compiled: CompiledScene, state: AccumulatorState, tally: Accumulator, info: RunInfo
+) -> None:
     """See that totals can be those of so many batches of a scene.
+
+    Parameters
+    ----------
+    compiled : CompiledScene
+        The scene.
+    state : AccumulatorState
+        As the file has it, perhaps without a cell that the first version had not.
+    tally : Accumulator
+        Made of it.
+    info : RunInfo
+        From the file.
 
     Raises
     ------
@@ -183,24 +196,24 @@ def check_tally(compiled: CompiledScene, tally: Accumulator, info: RunInfo) -> N
         raise ValueError(f"it has {batches} batches, more than there are")
     if info.worst_closure > CLOSURE_LIMIT * compiled.emitted:
         raise ValueError("a batch of it does not close")
-    state = tally.state()
+    n = len(state.count)
     if not batches:
         if state.limbs.any() or state.count.any() or state.mean.any() or state.m2.any():
             raise ValueError("it has totals and no batches")
         return
     # a row may miss zero by the rounding of splits, as the ledger may miss what was emitted
     least = -float(CLOSURE_LIMIT * compiled.emitted) * 2.0**UNIT_EXPONENT
-    for first in range(0, len(state.count), _BLOCK):
+    for first in range(0, n, _BLOCK):
         part = slice(first, first + _BLOCK)
-        limbs, mean = state.limbs[part], state.mean[: layout.n_cells][part]
+        limbs, mean = state.limbs[part], state.mean[:n][part]
         if (limbs[:, 1:] < 0).any() or (limbs[:, 1:] >= _LOW).any():
             raise ValueError("its limbs are not canonical")
         if (state.count[part] < 0).any():
             raise ValueError("it has negative counts")
-        exact = tally.mean(first, min(_BLOCK, len(state.count) - first))
+        exact = tally.mean(first, min(_BLOCK, n - first))
         if (exact < least).any():
             raise ValueError("it has negative powers")
-        scatter = np.sqrt(np.maximum(state.m2[: layout.n_cells][part], 0.0))
+        scatter = np.sqrt(np.maximum(state.m2[:n][part], 0.0))
         # NaN fails every comparison
         if not (np.abs(mean - exact) <= _AGREES * (np.abs(exact) + scatter) - least).all():
             raise ValueError("its means are not those of its totals")

@@ -20,7 +20,7 @@ _MOST_TABLES: Final = 2**19
 """Tables and arrays in a text: six for each element of the largest file."""
 _MOST_PARTS: Final = 16
 """Parts of a dotted key; a scene's have three."""
-_MOST_DOTS: Final = 2**19
+_MOST_DOTS: Final = 2**18
 """Dots between the parts of all keys."""
 _MOST_DEPTH: Final = 64
 """Tables and arrays within each other."""
@@ -48,12 +48,13 @@ def toml_excess(text: str) -> tuple[str, str]:
     too_many = _tables(brackets)
     if too_many[0]:
         return too_many
-    # Most texts are short and have few dots in a line: these are not looked at closer.
-    if brackets <= _MOST_DEPTH and not _SUSPECT_LINE.search(text):
-        return "", ""
-    if text.count(".") <= _MOST_DOTS and not _SUSPECT_LINE.search(text) and not _deep(text):
-        return "", ""
-    return _scan(text)
+    # Strings may have all of it too: what looks suspicious is looked at closer.
+    suspicious = (
+        text.count(".") > _MOST_DOTS
+        or _SUSPECT_LINE.search(text)
+        or (brackets > _MOST_DEPTH and _deep(text))
+    )
+    return _scan(text) if suspicious else ("", "")
 
 
 def _tables(n: int) -> tuple[str, str]:

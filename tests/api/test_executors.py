@@ -132,9 +132,7 @@ def test_nobody_answers_and_this_process_cannot(monkeypatch):
         raise pz.RunError("no usable device")
 
     monkeypatch.setattr(workers, "Local", cannot)
-    with pytest.raises(
-        pz.RunError, match=r"did not compute .*, and this process cannot: no usable"
-    ):
+    with pytest.raises(pz.RunError, match=r"not compute .*, and this process cannot: no usa"):
         traced(executors.Silent(), max_seconds=0.5)
 
 
