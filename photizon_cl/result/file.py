@@ -161,9 +161,7 @@ def read_file(file: Path) -> Estimates:
 
 def read_scene(file: Path) -> Scene:
     """Return the scene of a file, and read no more of it; raises as `read_file` does."""
-    import h5netcdf
-
-    with _damage_told(file), h5netcdf.File(file, "r") as opened:
+    with _damage_told(file), _opened(file) as opened:
         return _scene(_scene_text(opened, file))
 
 
@@ -185,6 +183,18 @@ def _damage_told(file: Path) -> Iterator[None]:
         ) from error
 
 
+@contextmanager
+def _opened(path: Path) -> Iterator[h5netcdf.File]:
+    import h5netcdf
+    import h5py
+
+    with h5py.File(path, "r") as raw:
+        # What h5netcdf asks first: where that fails, it complains once more when it is collected.
+        raw.attrs.get("_nc3_strict")
+        with h5netcdf.File(raw, "r") as file:
+            yield file
+
+
 def _scene_text(file: h5netcdf.File, path: Path) -> str:
     schema = file.attrs.get("schema")
     if schema != RESULT_SCHEMA:
@@ -202,9 +212,7 @@ def _scene(text: str) -> Scene:
 
 
 def _read(path: Path) -> Estimates:
-    import h5netcdf
-
-    with h5netcdf.File(path, "r") as file:
+    with _opened(path) as file:
         text = _scene_text(file, path)
         scene = _scene(text)
         group = file[_GROUP]

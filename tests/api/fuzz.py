@@ -87,6 +87,14 @@ def a_scene(chance, folder):
     return "the same" if found == scene else "another valid one"
 
 
+def not_ignored(what):
+    """Note what fails in a destructor, where it is printed and not raised."""
+    unraised.append(f"{what.exc_type.__name__}: {what.exc_value} in {what.object}")
+
+
+unraised = []
+
+
 def a_result(chance, folder, kept={}):  # noqa: B006  (made once)
     if not kept:
         made = pz.trace("cosine-fourth", batches=3, rays_per_batch=256)
@@ -202,16 +210,20 @@ def search(kind, n, seed, folder):
     """Return how often each outcome came, and the seeds of what went wrong."""
     outcomes, wrong, longest = Counter(), [], 0.0
     KINDS[kind](random.Random(0), folder)  # what is made once takes its time
+    before, sys.unraisablehook = sys.unraisablehook, not_ignored
     for case in range(seed, seed + n):
         started = time.perf_counter()
         try:
             outcomes[KINDS[kind](random.Random(case), folder)] += 1
         except Exception:
             wrong.append((case, traceback.format_exc()))
+        if unraised:
+            wrong.append((case, unraised.pop()))
         taken = time.perf_counter() - started
         longest = max(longest, taken)
         if taken > (1.2 * LIMIT + 2.0 if kind == "executors" else SECONDS):
             wrong.append((case, f"took {taken:.1f} s"))
+    sys.unraisablehook = before
     return outcomes, wrong, longest
 
 
