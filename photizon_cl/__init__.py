@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from photizon_cl.errors import RecipeError as RecipeError
     from photizon_cl.errors import ResultError as ResultError
     from photizon_cl.errors import RunError as RunError
+    from photizon_cl.errors import RunWarning as RunWarning
     from photizon_cl.errors import SceneError as SceneError
     from photizon_cl.result.paths import Paths as Paths
     from photizon_cl.run.pathing import paths as paths
@@ -66,6 +67,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "ResultError": "photizon_cl.errors",
     "RecipeError": "photizon_cl.errors",
     "RunError": "photizon_cl.errors",
+    "RunWarning": "photizon_cl.errors",
 }
 """Public name → the module that defines it; the registry has the kinds' names."""
 

@@ -9,6 +9,8 @@ The tree::
     ├── RecipeError (also ValueError)   2   a recipe's token is not one, or cannot be used here
     └── RunError (also RuntimeError)    1   a run was started and failed
 
+What goes wrong in a run that goes on all the same is a `RunWarning`.
+
 The command line prints ``str(error)`` on standard error and leaves with ``exit_code``; anything
 else that surfaces is a defect of the program and keeps its traceback.
 """
@@ -21,6 +23,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 _WIDTH = 60  # characters of a found value that a message shows
+MOST_PROBLEMS = 100  # of one scene that are told
 _INTEGER_BITS = 256  # longer integers are described; str() of a giant one is itself an error
 
 
@@ -73,23 +76,33 @@ class PhotizonError(Exception):
 
 
 class SceneError(PhotizonError, ValueError):
-    """A scene is not valid; carries every problem that was found, in reading order.
+    """A scene is not valid; carries the problems that were found, in reading order.
 
     Parameters
     ----------
     problems : iterable of Problem
-        At least one.
+        At least one. Of more than a hundred, the last one that is kept says how many there are.
     """
 
     exit_code: ClassVar[int] = 2
 
     def __init__(self, problems: Iterable[Problem]) -> None:
-        self.problems: tuple[Problem, ...] = tuple(problems)
+        self.problems: tuple[Problem, ...] = _first(tuple(problems))
         super().__init__(self.problems)
 
     def __str__(self) -> str:
         """Give one line for each problem."""
         return "\n".join(str(problem) for problem in self.problems)
+
+
+def _first(problems: tuple[Problem, ...]) -> tuple[Problem, ...]:
+    """Return as many problems as anybody reads."""
+    more = len(problems) - MOST_PROBLEMS + 1
+    if more < 2:
+        return problems
+    hint = f"the first {MOST_PROBLEMS - 1} are told"
+    last = Problem("", f"at least {more} more problems", "none", problems[0].file, hint)
+    return (*problems[: MOST_PROBLEMS - 1], last)
 
 
 class ArgumentError(PhotizonError, ValueError):
@@ -114,6 +127,10 @@ class RunError(PhotizonError, RuntimeError):
     """A run was started and could not be finished."""
 
 
+class RunWarning(UserWarning):
+    """Something went wrong in a run that goes on all the same, to the same bits."""
+
+
 def join(prefix: str, path: str) -> str:
     """Join two key paths; an index such as ``[1]`` follows without a dot."""
     if not prefix or not path or path.startswith("["):
@@ -125,7 +142,7 @@ def key(name: object) -> str:
     """Return a key as it stands in a path: bare where TOML allows that, quoted otherwise."""
     if (
         isinstance(name, str)
-        and name
+        and 0 < len(name) <= _WIDTH
         and all(c.isascii() and (c.isalnum() or c in "-_") for c in name)
     ):
         return name
@@ -154,8 +171,7 @@ def _text(value: object, depth: int) -> str:
         return repr(float(value))
     if isinstance(value, str):
         cut = value if len(value) <= 2 * _WIDTH else value[: 2 * _WIDTH]
-        quoted = json.dumps(cut, ensure_ascii=False)
-        return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in quoted)
+        return printable(json.dumps(cut, ensure_ascii=False))
     if isinstance(value, list | tuple):
         if depth > 1:
             return "[…]"
@@ -167,5 +183,24 @@ def _text(value: object, depth: int) -> str:
         return "{" + ", ".join(f"{key(k)} = {_text(v, depth + 1)}" for k, v in items) + "}"
     if isinstance(value, type):
         return f"the class {value.__name__}"
-    text = " ".join(str(value).split())
-    return "".join(c if c.isprintable() else "?" for c in text[: 2 * _WIDTH])
+    return printable(" ".join(str(value).split())[: 2 * _WIDTH])
+
+
+def printable(text: str) -> str:
+    """Return a text with everything escaped that could move or hide what stands beside it.
+
+    Control characters would act on a terminal, and marks of the direction of writing would show a
+    line in another order than it has; line breaks are escaped too.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else _escape(ord(c)) for c in text)
+
+
+def printable_lines(text: str) -> str:
+    """Return a text of several lines, each as `printable` gives it."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def _escape(number: int) -> str:
+    return f"\\u{number:04x}" if number < 1 << 16 else f"\\U{number:08x}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from photizon_cl.cli.arguments import SCENE
+from photizon_cl.errors import printable
 
 if TYPE_CHECKING:
     import argparse
@@ -38,7 +39,7 @@ def _print(scene: Scene) -> None:
 
     compiled = compile_scene(scene, scene.run)
     out = console()
-    out.print(Text.assemble((scene.name, "bold"), f"  {scene.title}"))
+    out.print(Text.assemble((scene.name, "bold"), f"  {printable(scene.title)}"))
 
     def line(text: str, indent: str = "  ") -> None:
         out.print(paragraph(text, indent), soft_wrap=True)

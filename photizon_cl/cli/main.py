@@ -19,7 +19,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from hostcode.errors import CacheWarning
-from photizon_cl.errors import PhotizonError
+from photizon_cl.errors import PhotizonError, RunWarning, printable, printable_lines
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -67,11 +67,18 @@ VERBS: Final = (
 """Name, what it does, and module of every verb, in the order in which help lists them."""
 
 
+_LONGEST: Final = 500
+"""Characters of a message about the arguments."""
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line and the exit status of bad input."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+        # argparse repeats what was given, whatever it holds
+        if len(message) > _LONGEST:
+            message = message[: _LONGEST - 1] + "…"
+        self.exit(2, f"{self.prog}: {printable(message)} (see {self.prog} --help)\n")
 
 
 class VerbParser(_Parser):
@@ -112,8 +119,8 @@ def _plain_warnings() -> Iterator[None]:
     usual = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
-        if issubclass(category, CacheWarning):
-            print(f"photizon: {message}", file=sys.stderr)
+        if issubclass(category, CacheWarning | RunWarning):
+            print(f"photizon: {printable(str(message))}", file=sys.stderr)
         else:
             usual(message, category, *where, **more)
 
@@ -151,7 +158,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except PhotizonError as error:
-        print(str(error), file=sys.stderr)
+        print(printable_lines(str(error)), file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
         # The reader had enough. Python flushes at its end: give it somewhere to flush to.

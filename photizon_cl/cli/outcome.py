@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from rich.text import Text
 
 from photizon_cl.cli.tables import console, paragraph, print_table, table
-from photizon_cl.errors import ResultError
+from photizon_cl.errors import ResultError, printable, printable_lines
 from photizon_cl.result.tallies import only_counts, ranked
 from photizon_cl.result.text import lit_percent, with_error
 
@@ -44,7 +44,7 @@ def give(result: Result, folder: str | None, *, as_json: bool, said: Collection[
     out = console()
     print_result(result, out, said)
     if folder is not None and failed is None:
-        out.print(f"\nwritten to {folder}", soft_wrap=True)
+        out.print(f"\nwritten to {printable(folder)}", soft_wrap=True)
     return _told(failed)
 
 
@@ -52,14 +52,13 @@ def _told(failed: ResultError | None) -> int:
     """Say that the files could not be written; return the exit status."""
     if failed is None:
         return 0
-    print(str(failed), file=sys.stderr)
+    print(printable_lines(str(failed)), file=sys.stderr)
     return 1
 
 
 def print_result(result: Result, out: Console, said: Collection[str] = ()) -> None:
     """Print ledger, detectors and advisories, these without what was said before."""
-    head = result.scene.title or result.scene.name
-    out.print(Text(head, "bold"))
+    out.print(Text(result.scene.heading, "bold"))
     run = result.scene.run
     out.print(
         paragraph(

@@ -29,7 +29,7 @@ def call(arguments: argparse.Namespace) -> int:
 
     # `pz.resume` in two steps, since the display has the scene's title
     start = Result.of(latest(arguments.directory))
-    with Display(start.scene.title or start.scene.name) as display:
+    with Display(start.scene.heading) as display:
         result = start.refine(
             batches=arguments.batches,
             target=arguments.target,

@@ -60,7 +60,7 @@ def call(arguments: argparse.Namespace) -> int:
     as_run = with_settings(scene, seed=arguments.seed, rays_per_batch=arguments.rays_per_batch)
     _tell_loss(arguments.out, as_run)
     said = _warn_of_splitting(scene)
-    with Display(scene.title or scene.name) as display:
+    with Display(scene.heading) as display:
         if recipe is not None:
             result = recipe.trace(
                 device=arguments.device, progress=display.update, checkpoint=arguments.out
@@ -102,6 +102,7 @@ def _tell_loss(out: str | None, as_run: Scene) -> None:
 def _recipe(arguments: argparse.Namespace) -> Recipe:
     """Return the recipe that ``--recipe`` names; nothing else may say what to run."""
     from photizon_cl.run.recipe import Recipe
+    from photizon_cl.scene.limits import LARGEST_FILE
 
     for name in (
         "scene",
@@ -122,7 +123,8 @@ def _recipe(arguments: argparse.Namespace) -> Recipe:
     try:
         file = Path(given)
         if file.is_file():
-            given = file.read_text(encoding="utf-8")
+            with file.open(encoding="utf-8") as opened:
+                given = opened.read(LARGEST_FILE + 1)
     except (OSError, ValueError):  # a token is no path, and too long for one
         pass
     return Recipe.read(given)

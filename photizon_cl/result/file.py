@@ -11,10 +11,8 @@ from __future__ import annotations
 import errno
 import hashlib
 import json
-import math
 import os
 import shutil
-import tomllib
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
@@ -23,18 +21,20 @@ import numpy as np
 from photizon_cl.atomic import reason
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.effects.table import EFFECTS
-from photizon_cl.errors import ResultError, show
+from photizon_cl.errors import ResultError, printable, show
 from photizon_cl.result.arrays import dataset
-from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates, RunInfo
+from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates
+from photizon_cl.result.soundness import check_shapes, check_tally, integer, read_info
 from photizon_cl.result.statistics import Accumulator, AccumulatorState
-from photizon_cl.result.stopping import Goal
-from photizon_cl.scene.files import load, to_toml
+from photizon_cl.scene.files import load, parse_toml, to_toml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+    import h5netcdf
     import xarray as xr
+    from numpy.typing import NDArray
 
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.scene.model import Scene
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["read_file", "read_scene", "write_arrays", "write_state"]
 
 _GROUP: Final = "tally"
+_LONGEST: Final = 300  # characters of what a library says of a damaged file
 _OVERHEAD: Final = 1 << 18  # bytes of a file beside its arrays, rounded up
 _TALLIES: Final = "tallies"  # names of the effects with labelled cells among the file's
 _STATE: Final = ("limbs", "count", "mean", "m2")
@@ -125,19 +126,21 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
     labelled = result.compiled.layout.labelled
     if labelled:
         made.attrs[_TALLIES] = json.dumps([group.effect for group in labelled])
-    made.attrs["checksum"] = _checksum(made, to_toml(result.scene))
+    arrays = {str(name): made[name].values for name in made.data_vars}
+    made.attrs["checksum"] = _checksum(arrays, made.attrs, to_toml(result.scene))
     return made
 
 
-def _checksum(tally: xr.Dataset, scene: str) -> str:
+def _checksum(arrays: Mapping[str, NDArray[Any]], attrs: Mapping[Any, Any], scene: str) -> str:
     """Return a digest over everything that a result is derived from."""
     total = hashlib.sha256(scene.encode())
-    for name in sorted(map(str, tally.data_vars)):
-        array = np.ascontiguousarray(tally[name].values)
-        total.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())
-    for name in sorted(map(str, tally.attrs)):
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        total.update(f"{name} {array.dtype.str} {array.shape}".encode())
+        total.update(array.data if array.size else b"")
+    for name in sorted(map(str, attrs)):
         if name != "checksum":
-            total.update(f"{name}={tally.attrs[name]}\0".encode())
+            total.update(f"{name}={attrs[name]}\0".encode())
     return total.hexdigest()
 
 
@@ -158,8 +161,8 @@ def read_file(file: Path) -> Estimates:
 
 def read_scene(file: Path) -> Scene:
     """Return the scene of a file, and read no more of it; raises as `read_file` does."""
-    with _damage_told(file):
-        return load(tomllib.loads(_scene_text(file)))
+    with _damage_told(file), _opened(file) as opened:
+        return _scene(_scene_text(opened, file))
 
 
 @contextmanager
@@ -171,58 +174,78 @@ def _damage_told(file: Path) -> Iterator[None]:
         raise
     except PermissionError as error:
         raise ResultError(f"{show(str(file))} cannot be read: {reason(error)}") from None
+    except MemoryError:
+        raise ResultError(f"{show(str(file))} takes more memory than there is") from None
     except Exception as error:  # what HDF5 finds in damaged files comes as anything
+        why = str(error).split("\n")[0][:_LONGEST]
         raise ResultError(
-            f"{show(str(file))} is damaged or not a photizon result: {' '.join(str(error).split())}"
+            f"{show(str(file))} is damaged or not a photizon result: {printable(why)}"
         ) from error
 
 
-def _scene_text(file: Path) -> str:
-    import xarray as xr
+@contextmanager
+def _opened(path: Path) -> Iterator[h5netcdf.File]:
+    import h5netcdf
+    import h5py
 
-    with xr.open_dataset(file, engine="h5netcdf", decode_cf=False) as top:
-        if top.attrs.get("schema") != RESULT_SCHEMA:
-            found = show(top.attrs.get("schema"))
-            raise ResultError(
-                f"{show(str(file))}: found the schema {found}, expected {show(RESULT_SCHEMA)}"
-            )
-        return str(top.attrs["scene"])
+    with h5py.File(path, "r") as raw:
+        # What h5netcdf asks first: where that fails, it complains once more when it is collected.
+        raw.attrs.get("_nc3_strict")
+        with h5netcdf.File(raw, "r") as file:
+            yield file
 
 
-def _read(file: Path) -> Estimates:
-    import xarray as xr
+def _scene_text(file: h5netcdf.File, path: Path) -> str:
+    schema = file.attrs.get("schema")
+    if schema != RESULT_SCHEMA:
+        raise ResultError(
+            f"{show(str(path))}: found the schema {show(schema)}, expected {show(RESULT_SCHEMA)}"
+        )
+    text = file.attrs["scene"]
+    if not isinstance(text, str):
+        raise ValueError("its scene is no text")
+    return text
 
-    text = _scene_text(file)
-    scene = load(tomllib.loads(text))
-    with xr.open_dataset(file, engine="h5netcdf", group=_GROUP, decode_cf=False) as group:
-        arrays = {name: np.array(group[name].values) for name in _STATE}
-        history = [  # results of the first version have none
-            group[f"history_{name}"].values.tolist() if f"history_{name}" in group else []
-            for name in _HISTORY
-        ]
+
+def _scene(text: str) -> Scene:
+    return load(parse_toml(text))
+
+
+def _read(path: Path) -> Estimates:
+    with _opened(path) as file:
+        text = _scene_text(file, path)
+        scene = _scene(text)
+        group = file[_GROUP]
         attrs = dict(group.attrs)
-        # files of the first version have none
-        if attrs.get("checksum", "") and attrs["checksum"] != _checksum(group, text):
-            raise ValueError("its checksum does not fit")
-    compiled = _compiled(file, scene, set(json.loads(attrs.get(_TALLIES, "[]"))))
-    state = AccumulatorState(int(attrs["batches"]), **arrays, digest=bytes.fromhex(attrs["digest"]))
-    tally = Accumulator.of(compiled.layout, state)
-    info = RunInfo(
-        device=str(attrs["device"]),
-        precision=str(attrs["precision"]),
-        stopped=str(attrs.get("stopped", "")),
-        version=str(attrs.get("version", "")),
-        engine=str(attrs.get("engine", "")),
-        interactions=int(attrs["interactions"]),
-        seconds=float.fromhex(attrs["seconds"]),
-        build_seconds=float.fromhex(attrs["build_seconds"]),
-        worst_closure=int(attrs["worst_closure"]),
-        goal=Goal(*json.loads(attrs["goal"])),
-        history=tuple(
-            (b, t, None if math.isnan(s) else s) for b, t, s in zip(*history, strict=True)
-        ),
+        compiled = _compiled(path, scene, _tallied(attrs))
+        check_shapes(group.variables, compiled.layout, path.stat().st_size)
+        arrays = {str(name): np.asarray(group[name][...]) for name in group.variables}
+    _check_sum(arrays, attrs, text)
+    state = AccumulatorState(
+        integer(attrs["batches"], "batches"),
+        **{name: arrays[name] for name in _STATE},
+        digest=bytes.fromhex(attrs["digest"]),
     )
+    tally = Accumulator.of(compiled.layout, state)
+    info = read_info(attrs, arrays)
+    check_tally(compiled, state, tally, info)
     return Estimates(compiled, tally, info)
+
+
+def _tallied(attrs: Mapping[str, Any]) -> set[str]:
+    names = json.loads(attrs.get(_TALLIES, "[]"))
+    if not (isinstance(names, list) and all(isinstance(name, str) for name in names)):
+        raise ValueError(f"its {_TALLIES} are no names")
+    return set(names)
+
+
+def _check_sum(arrays: Mapping[str, NDArray[Any]], attrs: Mapping[str, Any], scene: str) -> None:
+    if "checksum" not in attrs:
+        # the first version wrote none, and did not say which version it was
+        if "version" in attrs or "engine" in attrs:
+            raise ValueError("its checksum is missing")
+    elif attrs["checksum"] != _checksum(arrays, attrs, scene):
+        raise ValueError("its checksum does not fit")
 
 
 def _compiled(file: Path, scene: Scene, tallied: set[str]) -> CompiledScene:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 from photizon_cl.errors import RecipeError, RunError, SceneError, show
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.scene.files import load
+from photizon_cl.scene.limits import LARGEST_FILE, json_excess
 from photizon_cl.scene.presets import preset_names
 from photizon_cl.scene.reader import read_scene
 from photizon_cl.version import __version__
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 __all__ = ["RecipeText"]
 
 _PREFIX: Final = "pz1-"
-_LARGEST: Final = 2**26  # bytes that a token may unpack to
 _BITS: Final = ("seed", "rays_per_batch", "generation_cap", "roulette_floor")
 """Settings that the bits of a batch depend on."""
 _ASKED: Final = "effects"
@@ -120,7 +120,9 @@ class RecipeText:
         except RecipeError:
             raise
         except SceneError as error:
-            raise RecipeError(f"recipe: its scene is not valid here: {error}") from None
+            lines = str(error).split("\n")
+            more = f" (and {len(lines) - 1} more problems)" if len(lines) > 1 else ""
+            raise RecipeError(f"recipe: its scene is not valid here: {lines[0]}{more}") from None
         except (KeyError, TypeError, ValueError) as error:
             raise RecipeError(
                 f"recipe: made by another version of photizon_cl, or by hand ({_clean(error)})"
@@ -185,13 +187,24 @@ def _unpack(token: str) -> dict[str, Any]:
             f"recipe: found {shown}, expected a token that begins with {_PREFIX} "
             "(`photizon recipe DIR` prints it), or a file that holds one"
         )
+    if len(token) > LARGEST_FILE:
+        raise RecipeError(f"recipe: found {shown}, a token of {len(token)} characters: too many")
     try:
         body = token[len(_PREFIX) :].encode("ascii")
         packed = base64.b64decode(body + b"=" * (-len(body) % 4), altchars=b"-_", validate=True)
         unpacking = zlib.decompressobj()
-        text = unpacking.decompress(packed, _LARGEST)
+        data = unpacking.decompress(packed, LARGEST_FILE)
+        if unpacking.unconsumed_tail:
+            raise RecipeError(
+                f"recipe: found {shown}, which unpacks to more than {LARGEST_FILE} bytes: no scene "
+                "is so large"
+            )
         if not unpacking.eof or unpacking.unused_data:
             raise ValueError("not one whole stream")
+        text = data.decode("ascii")
+        found, most = json_excess(text)
+        if found:
+            raise RecipeError(f"recipe: found {shown}, which holds {found}, expected {most}")
         content = json.loads(text)
         if not isinstance(content, dict):
             raise ValueError("no table")

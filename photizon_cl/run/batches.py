@@ -18,8 +18,9 @@ from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
 from photizon_cl.run.checkpoint import Keeper
 from photizon_cl.run.directory import prepare_target
-from photizon_cl.run.distribution import Executed, Local, Runner
+from photizon_cl.run.distribution import Local, Runner
 from photizon_cl.run.progress import Clock, Progress
+from photizon_cl.run.workers import Executed
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -165,8 +166,6 @@ def _add_batches(
     else:
         runner = Executed(executor, compiled.scene.digest(), compiled.tables, chosen, plan)
     clock = Clock(goal, tally.batches)
-    if isinstance(runner, Local):
-        runner.engine.give_up = clock.must_stop
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
@@ -186,6 +185,7 @@ def _add_batches(
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
     with _interruptible() as interrupted:
+        runner.watch(clock, interrupted)
         try:
             for chunk in chunks:
                 done = False
@@ -211,7 +211,9 @@ def _add_batches(
             if close is not None:
                 close()
     if not tally.batches:
-        raise RunError(_no_batch(compiled, clock))
+        if interrupted():
+            raise KeyboardInterrupt
+        raise RunError(runner.complaint() or _no_batch(compiled, clock))
     history.note(compiled.layout, tally, clock.elapsed(), last=True)
     stopped = "interrupt" if interrupted() else "time"
     if goal.reached(compiled.layout, tally):

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import Lock, reason, replacing, sweep
-from photizon_cl.errors import ArgumentError, ResultError, RunError, show
+from photizon_cl.errors import ArgumentError, ResultError, RunError, RunWarning, show
 from photizon_cl.result.file import write_state
 from photizon_cl.run.directory import ARRAYS, CHECKPOINT, read, unfinished
 from photizon_cl.scene.model import same_stream
@@ -30,6 +31,8 @@ PERIOD: Final = 2.0
 """Seconds between checkpoints at least."""
 _SHARE: Final = 0.02
 """Part of a run's time that checkpoints may take."""
+_AGAIN: Final = 10.0
+"""Seconds after which one that could not be written is tried again."""
 
 
 class Keeper:
@@ -45,7 +48,7 @@ class Keeper:
     Raises
     ------
     RunError
-        Where a checkpoint cannot be written.
+        Where the first checkpoint cannot be written.
     """
 
     def __init__(self, folder: Path, start: Estimates) -> None:
@@ -63,7 +66,8 @@ class Keeper:
         except OSError as error:
             raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from None
         sweep(folder)
-        self._cost = 0.0
+        self._cost = self._written = 0.0
+        self._failed = False
         try:
             self._write(start)
         except BaseException:
@@ -75,17 +79,32 @@ class Keeper:
         self._lock.free()
 
     def note(self, now: Callable[[], Estimates], *, last: bool = False) -> None:
-        """Write a checkpoint where one is due or the run ends; `now` gives the result so far."""
-        due = self._written + max(PERIOD, self._cost / _SHARE)
-        if last or time.perf_counter() >= due:
+        """Write a checkpoint where one is due or the run ends; `now` gives the result so far.
+
+        Where it cannot be written the run goes on, and it is tried again: a full disk may be
+        emptied, and a share that is away may come back.
+        """
+        least = _AGAIN if self._failed else PERIOD
+        due = self._written + max(least, self._cost / _SHARE)
+        if not last and time.perf_counter() < due:
+            return
+        try:
             self._write(now())
+        except RunError as error:
+            self._written = time.perf_counter()
+            if not self._failed or last:
+                what = "" if last else "; the run goes on, and it is tried again"
+                warnings.warn(f"{error}{what}", RunWarning, stacklevel=2)
+            self._failed = True
+        else:
+            self._failed = False
 
     def _write(self, result: Estimates) -> None:
         started = time.perf_counter()
         try:
             with replacing(self._file) as temporary:
                 write_state(result, temporary)
-        except OSError as error:
+        except (OSError, RuntimeError) as error:  # HDF5 raises either
             raise RunError(
                 f"{show(str(self._file))} cannot be written: {reason(error)}; the "
                 "checkpoint before it, if there is one, is kept for `photizon resume`"

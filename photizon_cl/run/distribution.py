@@ -1,19 +1,11 @@
-"""Where batches are computed: on a device of this process, or on the workers of an executor.
-
-A task is a range of batch numbers. It is a pure function of the compiled scene and that range, so
-it may run anywhere, more than once, and in any order; `chunks` gives the outcome in batch order.
-"""
+"""Who computes batches: a device of this process here, an executor in `photizon_cl.run.workers`."""
 
 from __future__ import annotations
 
 import os
-import pickle
 import threading
-from collections import OrderedDict, deque
-from concurrent.futures import CancelledError
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from hostcode.device import capability
 from hostcode.device.device import (
@@ -27,85 +19,35 @@ from hostcode.device.device import (
 from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError
 from hostcode.program.plan import ExecutionPlan, default_plan
 from hostcode.run.wavefront import Engine
-from photizon_cl.errors import ArgumentError, PhotizonError, RunError, show
+from photizon_cl.errors import ArgumentError, RunError, show
+from photizon_cl.run.chunks import Chunk
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from concurrent.futures import Executor, Future
-
-    import numpy as np
-    from numpy.typing import NDArray
 
     from hostcode.run.tables import DeviceTables
+    from photizon_cl.run.progress import Clock
 
 __all__ = [
-    "Chunk",
-    "Executed",
     "Local",
     "Runner",
-    "Task",
+    "compute",
     "device_failures",
+    "make_engine",
     "open_chosen",
-    "run_task",
 ]
-
-_KEPT_ENGINES: Final = 2
-"""Engines that a worker keeps: enough for two traces that take turns."""
-_RAYS_OF_A_TASK: Final = 1 << 18
-_WINDOW: Final = 2
-"""Tasks under way for each worker, so that none waits for the next one."""
-
-
-@dataclass(frozen=True, eq=False)
-class Chunk:
-    """Consecutive batches, computed.
-
-    Parameters
-    ----------
-    first : int
-        Number of the first batch.
-    cells : tuple of ndarray, each shape (n_cells, 4), int64
-        Canonical tallies in batch order.
-    device : str
-        Label of the device.
-    build_seconds : float
-        Time that the device's compiler took for the program.
-    """
-
-    first: int
-    cells: tuple[NDArray[np.int64], ...]
-    device: str
-    build_seconds: float
-
-
-@dataclass(frozen=True, eq=False)
-class Task:
-    """A range of batches for a worker. Pickles.
-
-    Parameters
-    ----------
-    key : str
-        Equal for tasks that one engine can serve.
-    tables : DeviceTables
-        The compiled scene.
-    device : DeviceRecord, str or None
-        A device, or what the worker chooses its own by.
-    plan : ExecutionPlan or None
-        How; None takes the worker's device's default.
-    first, n : int
-        The range.
-    """
-
-    key: str
-    tables: DeviceTables
-    device: DeviceRecord | str | None
-    plan: ExecutionPlan | None
-    first: int
-    n: int
 
 
 class Runner(Protocol):
     """Computes batches."""
+
+    def watch(self, clock: Clock, interrupted: Callable[[], bool]) -> None:
+        """Be told the call's clock, and where to ask whether Ctrl-C was pressed."""
+        ...
+
+    def complaint(self) -> str:
+        """Say why there is no batch, where that is not the scene's doing; else nothing."""
+        ...
 
     def chunks(
         self, first: int, last: int | None, size: Callable[[], int | None]
@@ -236,6 +178,14 @@ class Local:
     ) -> None:
         self.engine = make_engine(device, tables, plan)
 
+    def watch(self, clock: Clock, interrupted: Callable[[], bool]) -> None:
+        """Give batches in flight up when the clock says so; Ctrl-C lets them end."""
+        self.engine.give_up = clock.must_stop
+
+    def complaint(self) -> str:
+        """Say nothing: what takes long is the scene."""
+        return ""
+
     def chunks(
         self, first: int, last: int | None, size: Callable[[], int | None]
     ) -> Iterator[Chunk]:
@@ -248,120 +198,24 @@ class Local:
             if last is not None:
                 n = min(n, last - first)
             try:
-                chunk = _compute(self.engine, first, n)
+                chunk = compute(self.engine, first, n)
             except Abandoned:
                 return
             yield chunk
             first += n
 
 
-def _compute(engine: Engine, first: int, n: int) -> Chunk:
+def compute(engine: Engine, first: int, n: int) -> Chunk:
+    """Compute batches.
+
+    Raises
+    ------
+    Abandoned
+        Where the engine's `give_up` said so.
+    RunError
+        Where the device fails.
+    """
     label = engine.device.record.label
     with device_failures(label):
         cells = tuple(tally.cells for tally in engine.run(first, n))
     return Chunk(first, cells, label, engine.build_seconds)
-
-
-# -- workers -----------------------------------------------------------------------------------
-
-_mine = threading.local()
-
-
-def run_task(task: Task) -> Chunk:
-    """Compute a task's batches; what an executor is given.
-
-    Opens a device in the worker at the first task and keeps it, with the last few scenes' programs.
-    """
-    engines: OrderedDict[str, Engine] | None = getattr(_mine, "engines", None)
-    if engines is None:
-        engines = _mine.engines = OrderedDict()
-    if task.key not in engines:
-        engines[task.key] = make_engine(task.device, task.tables, task.plan)
-        while len(engines) > _KEPT_ENGINES:
-            engines.popitem(last=False)
-    engines.move_to_end(task.key)
-    return _compute(engines[task.key], task.first, task.n)
-
-
-class Executed:
-    """Runs batches on the workers of an executor.
-
-    Parameters
-    ----------
-    executor : Executor
-        Anything with the interface of `concurrent.futures.Executor`; processes, threads, hosts.
-    key : str
-        Names the compiled scene, for the workers' caches.
-    tables : DeviceTables
-        The compiled scene.
-    device : DeviceRecord, str or None
-        What each worker chooses its device by.
-    plan : ExecutionPlan or None
-        How; changes no bit.
-    """
-
-    def __init__(
-        self,
-        executor: Executor,
-        key: str,
-        tables: DeviceTables,
-        device: DeviceRecord | str | None,
-        plan: ExecutionPlan | None,
-    ) -> None:
-        if not callable(getattr(executor, "submit", None)):
-            raise ArgumentError(
-                f"executor: found {show(executor)}, expected something with the interface of "
-                "concurrent.futures.Executor (it has no method submit)"
-            )
-        self.executor, self.tables, self.device, self.plan = executor, tables, device, plan
-        self.key = f"{key} {device} {plan}"
-        workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
-        self.window = _WINDOW * int(workers)
-
-    def _submit(self, first: int, n: int) -> Future[Chunk]:
-        task = Task(self.key, self.tables, self.device, self.plan, first, n)
-        return self.executor.submit(run_task, task)
-
-    def chunks(
-        self, first: int, last: int | None, size: Callable[[], int | None]
-    ) -> Iterator[Chunk]:
-        """Give batches in order, see `Runner.chunks`."""
-        rays = int(self.tables.launch["rays_per_batch"])
-        usual = max(_RAYS_OF_A_TASK // rays, 1)
-        if last is not None:
-            # Shared out among the workers rather than given whole to a few of them.
-            usual = max(min(usual, -(-(last - first) // self.window)), 1)
-        waiting: deque[tuple[int, int, Future[Chunk]]] = deque()
-        try:
-            while True:
-                while len(waiting) < self.window and (last is None or first < last):
-                    limit = size()
-                    n = usual if limit is None else min(usual, limit)
-                    n = n if last is None else min(n, last - first)
-                    waiting.append((first, n, self._submit(first, n)))
-                    first += n
-                if not waiting:
-                    return
-                yield self._collect(*waiting.popleft())
-        finally:
-            for _, _, future in waiting:
-                future.cancel()
-
-    def _collect(self, first: int, n: int, future: Future[Chunk]) -> Chunk:
-        """Wait for a task; one that was lost is run again, once."""
-        try:
-            return future.result()
-        except (PhotizonError, HostError):
-            raise
-        except pickle.PicklingError as error:
-            raise RunError(f"the executor cannot send a task to its workers: {error}") from error
-        except (Exception, CancelledError):
-            try:
-                return self._submit(first, n).result()
-            except (PhotizonError, HostError):
-                raise
-            except Exception as error:
-                what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-                raise RunError(
-                    f"batches {first} to {first + n - 1} failed twice on the executor ({what})"
-                ) from error

@@ -47,6 +47,22 @@ class Clock:
         first = self.batches == self.first
         return self.elapsed() >= (1.2 * self.limit + 1.0 if first else self.limit)
 
+    def waited_enough(self) -> bool:
+        """Say whether workers are not waited for any more.
+
+        The first batch of a call has a tenth of the time and a second more.
+        """
+        if self.limit is None:
+            return False
+        first = self.batches == self.first
+        return self.elapsed() >= (1.1 * self.limit + 1.0 if first else self.limit)
+
+    def seconds_for_workers(self) -> float | None:
+        """Return after how long nobody will wait for a task that is given out now."""
+        if self.limit is None:
+            return None
+        return max(1.1 * self.limit + 1.0 - self.elapsed(), 0.0)
+
     def batches_in_time(self) -> int | None:
         """Return how many batches may go into a wave: one at first, to learn how long it takes."""
         if self.limit is None:

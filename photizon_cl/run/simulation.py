@@ -73,12 +73,14 @@ def trace(
         Given a `Progress` after each wave.
     executor : concurrent.futures.Executor, optional
         Computes the batches on its workers, each of which opens a device; the same bits. Worker
-        processes must be spawned, not forked, once this process has used OpenCL.
+        processes must be spawned, not forked, once this process has used OpenCL. A task that is
+        lost or answered wrongly is asked for again, then traced in this process.
     plan : ExecutionPlan, optional
         How a device runs a wave; changes no bit.
     checkpoint : str or path, optional
         Directory, made where it is not there, that keeps a checkpoint of the run; `resume` goes on
-        with it should the process die. It goes when the result is saved there.
+        with it should the process die. It goes when the result is saved there. Where it cannot be
+        written on the way, the run goes on.
 
     Returns
     -------
@@ -93,6 +95,11 @@ def trace(
         Where `checkpoint` cannot be used, or holds another unfinished run.
     RunError
         Where there is no usable device, or the run fails.
+
+    Warns
+    -----
+    RunWarning
+        Where an executor or a checkpoint fails and the run goes on all the same.
     """
     if precision not in PRECISIONS:
         raise ArgumentError(

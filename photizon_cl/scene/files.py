@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from photizon_cl.errors import Problem, SceneError, show
+from photizon_cl.scene.limits import LARGEST_FILE, MOST_CHARACTERS, json_excess, toml_excess
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import preset_names, preset_path
 from photizon_cl.scene.reader import RepeatedKeys, read_scene
 
 _SUFFIXES: Final = (".toml", ".json")
-_LARGEST_FILE: Final = 2**24  # bytes; a scene file is text that somebody wrote
 _TOML_PLACE: Final = re.compile(r" ?\(at (line \d+, column \d+|end of document)\)$")
 
 
@@ -47,7 +47,8 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
         )
     path = Path(os.fsdecode(source))
     if isinstance(source, str) and path.suffix.lower() not in _SUFFIXES and not _exists(path):
-        near = difflib.get_close_matches(source.lower(), preset_names(), 1)
+        asked = source.lower()[:MOST_CHARACTERS]
+        near = difflib.get_close_matches(asked, preset_names(), 1)
         hint = f"did you mean {near[0]}? " if near else ""
         hint += f"the presets are {', '.join(preset_names())}"
         found = f"{show(source)}, which is neither a preset nor a file"
@@ -79,11 +80,13 @@ def _exists(path: Path) -> bool:
 def _load_file(path: Path) -> Scene:
     file = str(path) if str(path).isprintable() else show(str(path))
     text = _read_text(path, file)
-    tables = _parse_toml(text, file) if path.suffix.lower() == ".toml" else _parse_json(text, file)
+    tables = parse_toml(text, file) if path.suffix.lower() == ".toml" else parse_json(text, file)
     return read_scene(tables, file)
 
 
-def _fail(file: str, found: str, expected: str, hint: str = "", place: str = "") -> SceneError:
+def _fail(
+    file: str | None, found: str, expected: str, hint: str = "", place: str = ""
+) -> SceneError:
     return SceneError([Problem(place, found, expected, file=file, hint=hint)])
 
 
@@ -101,9 +104,12 @@ def _read_text(path: Path, file: str) -> str:
             raise _fail(file, "no such file", expected, "check the path, or see the presets")
         if not path.is_file():
             raise _fail(file, "something that is not a regular file", expected)
-        if path.stat().st_size > _LARGEST_FILE:
-            raise _fail(file, f"{path.stat().st_size} bytes", f"at most {_LARGEST_FILE} bytes")
-        data = path.read_bytes()
+        if path.stat().st_size > LARGEST_FILE:
+            raise _fail(file, f"{path.stat().st_size} bytes", f"at most {LARGEST_FILE} bytes")
+        with path.open("rb") as opened:  # it may grow, or say nothing true of its size
+            data = opened.read(LARGEST_FILE + 1)
+        if len(data) > LARGEST_FILE:
+            raise _fail(file, f"more than {LARGEST_FILE} bytes", "a scene file that is shorter")
     except (OSError, ValueError) as error:
         if isinstance(error, SceneError):
             raise
@@ -122,7 +128,15 @@ def _read_text(path: Path, file: str) -> str:
     return text
 
 
-def _parse_toml(text: str, file: str) -> object:
+def parse_toml(text: str, file: str | None = None) -> Any:
+    """Return the tables of a TOML text that may be anything.
+
+    Raises
+    ------
+    SceneError
+        Where it is too large or nested too deeply, or not valid.
+    """
+    _check_limits(text, file, *toml_excess(text))
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -135,7 +149,9 @@ def _parse_toml(text: str, file: str) -> object:
         raise _fail(file, "a syntax error", "valid TOML", _parser_limit(error)) from None
 
 
-def _parse_json(text: str, file: str) -> object:
+def parse_json(text: str, file: str | None = None) -> Any:
+    """Return the tables of a JSON text that may be anything, as `parse_toml` does."""
+    _check_limits(text, file, *json_excess(text))
     try:
         return json.loads(text, object_pairs_hook=_json_object)
     except json.JSONDecodeError as error:
@@ -143,6 +159,13 @@ def _parse_json(text: str, file: str) -> object:
         raise _fail(file, "a syntax error", "valid JSON", _one_line(error.msg), place) from None
     except (ValueError, RecursionError) as error:
         raise _fail(file, "a syntax error", "valid JSON", _parser_limit(error)) from None
+
+
+def _check_limits(text: str, file: str | None, found: str, expected: str) -> None:
+    if len(text) > LARGEST_FILE:
+        found, expected = f"{len(text)} characters", f"at most {LARGEST_FILE}"
+    if found:
+        raise _fail(file, found, expected)
 
 
 def _json_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from photizon_cl.errors import Problem, show
+from photizon_cl.errors import Problem, printable, show
 from photizon_cl.scene.described import Described, Known, Nested, NestedList, parameters_of
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.parameters import declare, free_text, unique_name
@@ -70,6 +70,11 @@ class Scene(Described):
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check names and shares across sources and elements."""
         return between_objects(known.get("source") or (), known.get("element") or ())
+
+    @property
+    def heading(self) -> str:
+        """Title, or name without one, fit to be shown beside other text: see `printable`."""
+        return printable(" ".join(self.title.split()) or self.name)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as the file format's tables, which `photizon_cl.load` reads back.

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, TypeVar
 
-from photizon_cl.errors import Problem, SceneError, join, key, show
+from photizon_cl.errors import MOST_PROBLEMS, Problem, SceneError, join, key, show
 from photizon_cl.scene.described import (
     Described,
     Known,
@@ -17,6 +18,7 @@ from photizon_cl.scene.described import (
     parameters_of,
 )
 from photizon_cl.scene.elements import Element
+from photizon_cl.scene.limits import MOST_CHARACTERS
 from photizon_cl.scene.model import SCHEMA, Scene, between_objects
 from photizon_cl.scene.parameters import BAD
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
@@ -44,8 +46,8 @@ class RepeatedKeys(dict[str, Any]):
 
     def __init__(self, pairs: Sequence[tuple[str, Any]]) -> None:
         super().__init__(pairs)
-        names = [name for name, _ in pairs]
-        self.repeated = [name for name in self if names.count(name) > 1]
+        times = Counter(name for name, _ in pairs)
+        self.repeated = [name for name in self if times[name] > 1]
 
 
 def read_scene(tables: object, file: str | None = None) -> Scene:
@@ -77,6 +79,14 @@ def _title(cls: type[Described]) -> str:
     return f"the {cls.label} {cls.kind}"
 
 
+def _similar(word: object, known: Iterable[str]) -> list[str]:
+    """Return the known word that another one was probably meant for; long ones are not read."""
+    text = str(word)
+    if len(text) > MOST_CHARACTERS:
+        return []
+    return difflib.get_close_matches(text.lower(), list(known), 1)
+
+
 class _Reader:
     """Walks the tables and collects problems; what it cannot read it leaves out and goes on."""
 
@@ -85,6 +95,11 @@ class _Reader:
 
     def complain(self, path: str, found: str, expected: str, hint: str = "") -> None:
         self.problems.append(Problem(path, found, expected, hint=hint))
+
+    @property
+    def full(self) -> bool:
+        """Whether so much is wrong that what follows is not looked at."""
+        return len(self.problems) > MOST_PROBLEMS
 
     def scene(self, tables: object) -> Scene | None:
         if not isinstance(tables, Mapping):
@@ -136,7 +151,11 @@ class _Reader:
             return (), ()
         if len(found) < least:
             self.complain(path, "an empty array", f"at least one [[{path}]] table")
-        pairs = [self.table(base, item, f"{path}[{i}]") for i, item in enumerate(found)]
+        pairs = []
+        for i, item in enumerate(found):
+            if self.full:
+                break
+            pairs.append(self.table(base, item, f"{path}[{i}]"))
         return tuple(pair[0] for pair in pairs), tuple(pair[1] for pair in pairs)
 
     def table(self, base: type[_D], found: object, path: str) -> tuple[_D | None, Known | None]:
@@ -181,7 +200,7 @@ class _Reader:
             return kinds[kind]
         hint = ""
         if isinstance(kind, str):
-            near = difflib.get_close_matches(kind.lower(), kinds, 1)
+            near = _similar(kind, kinds)
             hint = f"did you mean {show(near[0])}?" if near else ""
         self.complain(where, show(kind), options, hint)
         return None
@@ -224,9 +243,9 @@ class _Reader:
         for item in found:
             if item in accepted:
                 continue
-            near = difflib.get_close_matches(
-                str(item).lower(), free, 1
-            ) or difflib.get_close_matches(str(item).lower(), accepted, 1)
+            if self.full:
+                break
+            near = _similar(item, free) or _similar(item, accepted)
             hint = f"did you mean {near[0]}?" if near else ""
             meant.update(near)
             expected = f"no such key; {title} takes {', '.join(accepted)}"
@@ -234,12 +253,13 @@ class _Reader:
         return meant
 
     def meant(self, wanted: str, found: Mapping[str, Any], accepted: Sequence[str]) -> str:
-        near = difflib.get_close_matches(wanted, [str(k) for k in found if k not in accepted], 1)
+        others = [str(k) for k in list(found)[:MOST_PROBLEMS] if k not in accepted]
+        near = difflib.get_close_matches(wanted, others, 1)
         return f"; is {key(near[0])} meant for it?" if near else ""
 
     def repeats(self, found: Mapping[str, Any], path: str) -> None:
         if isinstance(found, RepeatedKeys):
-            for item in found.repeated:
+            for item in found.repeated[: MOST_PROBLEMS + 1]:
                 where = join(path, key(item))
                 self.complain(where, "the key more than once", "every key once in its object")
 

@@ -9,6 +9,8 @@ import pytest
 
 # The table of malformed scenes is a plain module beside the tests of the scene layer.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scene"))
+# So are executors that misbehave.
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 QUICK = 2048
 """Rays of a batch where a test asks for bookkeeping and not for accuracy."""

@@ -19,8 +19,8 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.stopping import LEAST_BATCHES, Goal
 from photizon_cl.run.batches import _no_batch
-from photizon_cl.run.distribution import run_task
 from photizon_cl.run.progress import Clock
+from photizon_cl.run.workers import run_task
 
 QUICK = 2048
 
@@ -379,17 +379,6 @@ def test_a_lost_task_is_run_again(sphere):
     result = pz.trace("integrating-sphere", batches=10, rays_per_batch=QUICK, executor=executor)
     assert same(result, sphere)
     assert executor.tries > 4
-
-
-def test_a_task_that_keeps_failing_is_told():
-    class Broken:
-        def submit(self, call, task):
-            future = Future()
-            future.set_exception(OSError("no route"))
-            return future
-
-    with pytest.raises(pz.RunError, match="failed twice on the executor"):
-        pz.trace("integrating-sphere", batches=2, rays_per_batch=QUICK, executor=Broken())
 
 
 @pytest.mark.parametrize("run", [{"roulette_floor": 0.7}, {"generation_cap": 2}])

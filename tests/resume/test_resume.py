@@ -339,3 +339,48 @@ def test_files_of_earlier_versions_open(name, data, tmp_path):
     # every number is derived anew from the exact tallies, and can be written by this version
     result.save(tmp_path / "again", figures=False)
     assert pz.open_result(tmp_path / "again").tally_digest == result.tally_digest
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), RuntimeError("HDF5")])
+def test_a_checkpoint_that_cannot_be_written_is_tried_again(error, whole, tmp_path, monkeypatch):
+    write, wrote = checkpoint.write_state, []
+
+    def full_for_a_while(result, path):
+        wrote.append(result.batches)
+        if 2 <= len(wrote) <= 4:
+            raise error
+        write(result, path)
+
+    monkeypatch.setattr(checkpoint, "write_state", full_for_a_while)
+    monkeypatch.setattr(checkpoint, "_AGAIN", 0.0)
+    with pytest.warns(pz.RunWarning, match="the run goes on, and it is tried again") as said:
+        result = pz.trace(SCENE, rays_per_batch=RAYS, batches=10, checkpoint=tmp_path, plan=EACH)
+    assert len(said) == 1  # not once for each try
+    assert len(wrote) > 6
+    assert result.tally_digest == whole.tally_digest
+    assert pz.open_result(tmp_path).tally_digest == whole.tally_digest
+    assert [p.name for p in tmp_path.iterdir()] == [CHECKPOINT]
+
+
+def test_a_last_checkpoint_that_cannot_be_written_costs_no_result(whole, tmp_path, monkeypatch):
+    write, wrote = checkpoint.write_state, []
+
+    def full(result, path):
+        wrote.append(result.batches)
+        if len(wrote) > 1:
+            raise OSError(28, "No space left on device")
+        write(result, path)
+
+    monkeypatch.setattr(checkpoint, "write_state", full)
+    with pytest.warns(pz.RunWarning, match="No space left on device"):
+        result = pz.trace(SCENE, rays_per_batch=RAYS, batches=10, checkpoint=tmp_path)
+    assert result.tally_digest == whole.tally_digest
+
+
+def test_a_first_checkpoint_that_cannot_be_written_is_told_before_the_run(tmp_path, monkeypatch):
+    def full(result, path):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(checkpoint, "write_state", full)
+    with pytest.raises(pz.RunError, match="No space left on device"):
+        pz.trace(SCENE, rays_per_batch=RAYS, batches=10, checkpoint=tmp_path)

@@ -91,7 +91,7 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
         if isinstance(bar.norm, BoundaryNorm):
             made.set_ticks(list(range(int(bar.norm.vmax or 0) + 1)))
         made.ax.minorticks_off()
-    title = _plain(scene.title or scene.name)
+    title = _plain(scene.heading)
     # Strips for title, legend and notes are set aside by hand, so that none is in another's way.
     figure.get_layout_engine().set(rect=(0.0, 0.32 / height, 1.0, 1.0 - 1.0 / height), h_pad=0.09)  # type: ignore[call-arg,union-attr]
     figure.text(0.01, 1.0 - 0.13 / height, title, fontsize=13, weight="bold", color=_INK, va="top")

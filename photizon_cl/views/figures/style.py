@@ -175,7 +175,7 @@ def sheet(
         lines += [(line, *style) for line in wrapped(text, SMALL, room, style[1], 2)]
     for note in notes or []:
         lines += [(line, QUIET, "normal") for line in wrapped(note, SMALL, room, "normal", 3)]
-    title = wrapped(result.scene.title or result.scene.name, _TITLE, room, "bold", 2)
+    title = wrapped(result.scene.heading, _TITLE, room, "bold", 2)
     below = fitted(what, LABEL, room)
     head = _MARGIN + 0.19 * len(title) + 0.2 + 0.1
     foot = _MARGIN + 0.155 * len(lines) + 0.05

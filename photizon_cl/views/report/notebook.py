@@ -44,7 +44,7 @@ def html(result: Estimates) -> str:
         lookup()
         .get_template("notebook.mako")
         .render_unicode(
-            title=result.scene.title or result.scene.name,
+            title=result.scene.heading,
             head=head,
             ledger=ledger_table(result, _MOST_ROWS),
             detectors=detector_table(result, _MOST_ROWS) if result.detectors else None,

@@ -80,7 +80,7 @@ def render(result: Estimates, figures: Figures, recipe: str | None) -> str:
         .render_unicode(
             generator=f"{GENERATOR} {__version__}",
             style=Markup((_HERE / "style.css").read_text(encoding="utf-8")),
-            title=result.scene.title or result.scene.name,
+            title=result.scene.heading,
             scene_name=result.scene.name,
             notes=result.scene.notes.strip(),
             converged=result.converged,

@@ -38,7 +38,7 @@ def describe(result: Estimates, kind: str, element: str) -> tuple[str, str]:
         return _WORDS[kind](result, element)
     title = kind.replace("-", " ").replace("_", " ")
     alt = (
-        f"Figure “{title}” of {result.scene.title or result.scene.name}, from {result.rays} rays; "
+        f"Figure “{title}” of {result.scene.heading}, from {result.rays} rays; "
         "its numbers stand in the tables of this page."
     )
     return alt, title[:1].upper() + title[1:] + "."

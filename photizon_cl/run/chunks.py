@@ -1,0 +1,225 @@
+"""What travels between a run and its workers: a task, and the chunk of batches that answers it.
+
+Whoever carries a chunk may lose, repeat, swap or damage it. So a worker seals it, with the numbers
+of its batches, the scene, the engine and a checksum over all of that and every cell, and `checked`
+holds the seal against the task before anything is added to a result.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from hostcode.run.tally import CELL
+from photizon_cl.errors import printable
+from photizon_cl.result.engine import engine_digest
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hostcode.device.device import DeviceRecord
+    from hostcode.program.plan import ExecutionPlan
+    from hostcode.run.tables import DeviceTables
+
+__all__ = ["Chunk", "RefusedError", "Seal", "Task", "checked", "numbers", "sealed", "tables_digest"]
+
+_LONGEST_LABEL: Final = 400
+
+
+class RefusedError(Exception):
+    """An answer is not what the task asked for; says why, as a clause that follows "it"."""
+
+
+@dataclass(frozen=True)
+class Seal:
+    """What a chunk says of itself.
+
+    Parameters
+    ----------
+    first, n : int
+        Number of the first batch, and how many there are.
+    n_cells : int
+        Cells of each.
+    scene : str
+        Digest of the scene, as the task named it.
+    tables : str
+        Digest of the tables that the worker traced, see `tables_digest`.
+    engine : str
+        `engine_digest` of the worker.
+    checksum : str
+        SHA-256 over all of this, the device, and every cell.
+    """
+
+    first: int
+    n: int
+    n_cells: int
+    scene: str
+    tables: str
+    engine: str
+    checksum: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Consecutive batches, computed.
+
+    Parameters
+    ----------
+    first : int
+        Number of the first batch.
+    cells : tuple of ndarray, each shape (n_cells, 4), int64
+        Canonical tallies in batch order.
+    device : str
+        Label of the device.
+    build_seconds : float
+        Time that the device's compiler took for the program.
+    seal : Seal or None
+        None where it did not leave the process.
+    """
+
+    first: int
+    cells: tuple[NDArray[np.int64], ...]
+    device: str
+    build_seconds: float
+    seal: Seal | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A range of batches for a worker. Pickles.
+
+    Parameters
+    ----------
+    key : str
+        Equal for tasks that one engine can serve.
+    scene : str
+        Digest of the scene.
+    digest : str
+        That of `tables`, before they were sent.
+    tables : DeviceTables
+        The compiled scene.
+    device : DeviceRecord, str or None
+        A device, or what the worker chooses its own by.
+    plan : ExecutionPlan or None
+        How; None takes the worker's device's default.
+    first, n : int
+        The range.
+    seconds : float or None
+        After how long the worker may give the task up, since nobody waits for it any more.
+    """
+
+    key: str
+    scene: str
+    digest: str
+    tables: DeviceTables
+    device: DeviceRecord | str | None
+    plan: ExecutionPlan | None
+    first: int
+    n: int
+    seconds: float | None = None
+
+
+def numbers(first: int, n: int) -> str:
+    """Name a range of batches."""
+    return f"batch {first}" if n == 1 else f"batches {first} to {first + n - 1}"
+
+
+def tables_digest(tables: DeviceTables) -> str:
+    """Return a digest of what a scene's tables hold; the program follows from scene and engine."""
+    total = hashlib.sha256(repr((sorted(tables.launch.items()), tables.n_cells)).encode())
+    for name in ("geometry", "materials", "sources", "codes", "detector_numbers", "edges"):
+        array = np.ascontiguousarray(getattr(tables, name))
+        total.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())
+    return total.hexdigest()
+
+
+def _checksum(chunk: Chunk, seal: Seal) -> str:
+    told = replace(seal, checksum="")
+    total = hashlib.sha256(repr((told, chunk.device, chunk.build_seconds.hex())).encode())
+    for cells in chunk.cells:
+        total.update(np.ascontiguousarray(cells, dtype="<i8").data)
+    return total.hexdigest()
+
+
+def sealed(chunk: Chunk, task: Task, tables: str) -> Chunk:
+    """Return a chunk with its seal; what a worker does before it hands it over.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        What was computed.
+    task : Task
+        What for.
+    tables : str
+        Digest of the tables that it was computed from.
+    """
+    seal = Seal(
+        chunk.first, len(chunk.cells), task.tables.n_cells, task.scene, tables, engine_digest()
+    )
+    return replace(chunk, seal=replace(seal, checksum=_checksum(chunk, seal)))
+
+
+def checked(answer: object, task: Task) -> Chunk:
+    """Return the batches that a task asked for, in arrays that nobody else holds.
+
+    Raises
+    ------
+    RefusedError
+        Where the answer is anything else.
+    """
+    if type(answer) is not Chunk:
+        name = printable(type(answer).__name__[:40])
+        raise RefusedError(f"is of the type {name} and no chunk of batches")
+    try:
+        return _checked(answer, task)
+    except RefusedError:
+        raise
+    except Exception as error:  # its parts may be anything
+        raise RefusedError(f"cannot be read ({type(error).__name__})") from None
+
+
+def _checked(chunk: Chunk, task: Task) -> Chunk:
+    seal = chunk.seal
+    if type(seal) is not Seal:
+        raise RefusedError("has no seal")
+    for value in (chunk.first, seal.first, seal.n, seal.n_cells):
+        if type(value) is not int:
+            raise RefusedError("has a seal without numbers")
+    # The numbers first: they say best what went wrong.
+    if (seal.first, seal.n) != (task.first, task.n) or chunk.first != seal.first:
+        raise RefusedError(f"holds {numbers(seal.first, max(seal.n, 1))}")
+    if seal.scene != task.scene:
+        raise RefusedError("is of another scene")
+    if seal.engine != engine_digest():
+        found = printable(str(seal.engine)[:16])
+        raise RefusedError(
+            f"comes from a worker with another version of photizon_cl (engine {found}, here "
+            f"{engine_digest()})"
+        )
+    if seal.tables != task.digest:
+        raise RefusedError("was computed from damaged tables")
+    cells = chunk.cells
+    if type(cells) is not tuple or len(cells) != task.n:
+        raise RefusedError(f"does not hold {task.n} tallies")
+    shape = (task.tables.n_cells, CELL)
+    for tally in cells:
+        if type(tally) is not np.ndarray or tally.dtype != np.int64 or tally.shape != shape:
+            raise RefusedError("holds something that is no tally of the scene")
+    if type(chunk.device) is not str or type(chunk.build_seconds) is not float:
+        raise RefusedError("does not say where it was computed")
+    label = chunk.device
+    if (
+        len(label) > _LONGEST_LABEL
+        or not label.isprintable()
+        or not (math.isfinite(chunk.build_seconds) and chunk.build_seconds >= 0.0)
+    ):
+        raise RefusedError("does not say where it was computed")
+    # Checked is what is kept: whoever made the answer may hold its arrays still.
+    kept = replace(chunk, cells=tuple(tally.copy() for tally in cells))
+    if _checksum(kept, seal) != seal.checksum:
+        raise RefusedError("is damaged (its checksum does not fit)")
+    return kept

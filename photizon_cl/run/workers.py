@@ -1,0 +1,340 @@
+"""Batches on the workers of an executor: processes, threads or hosts that may fail or misbehave.
+
+A task is a range of batch numbers. It is a pure function of the compiled scene and that range, so
+it may run anywhere, more than once, and in any order. What a worker answers is checked before it
+counts (`photizon_cl.run.chunks`); a task that is lost, or answered wrongly, is asked for again, and
+at last traced in this process, so that the outcome has the same bits whatever the executor does.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import threading
+import time
+import warnings
+from collections import OrderedDict
+from concurrent.futures import BrokenExecutor, CancelledError
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from hostcode.errors import Abandoned, HostError
+from photizon_cl.errors import (
+    ArgumentError,
+    PhotizonError,
+    RunError,
+    RunWarning,
+    printable,
+    show,
+)
+from photizon_cl.run.chunks import RefusedError, Task, checked, numbers, sealed, tables_digest
+from photizon_cl.run.desk import Answer, Desk, NotSubmittedError
+from photizon_cl.run.distribution import Local, compute, make_engine
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterator
+    from concurrent.futures import Executor
+
+    from hostcode.device.device import DeviceRecord
+    from hostcode.program.plan import ExecutionPlan
+    from hostcode.run.tables import DeviceTables
+    from hostcode.run.wavefront import Engine
+    from photizon_cl.run.chunks import Chunk
+    from photizon_cl.run.progress import Clock
+
+__all__ = ["Executed", "run_task"]
+
+_KEPT_ENGINES: Final = 2
+"""Engines that a worker keeps: enough for two traces that take turns."""
+_RAYS_OF_A_TASK: Final = 1 << 18
+_WINDOW: Final = 2
+"""Tasks under way for each worker, so that none waits for the next one."""
+_TICK: Final = 0.05
+"""Seconds after which a wait looks at the clock."""
+_TRIES: Final = 2
+"""How often an executor is asked for a task before it is traced in this process."""
+_MOST_FAILED: Final = 3
+"""Tasks that an executor may fail at before it is not asked any more."""
+_FIRST_ANSWER: Final = 60.0
+"""Seconds in which the first answer may come: processes start, and build the program."""
+_LATER_ANSWER: Final = 10.0
+_TIMES: Final = 8.0
+"""Later ones have so many seconds, or so many times the longest that one took."""
+
+_mine = threading.local()
+
+
+def run_task(task: Task) -> Chunk:
+    """Compute a task's batches; what an executor is given.
+
+    Opens a device in the worker at the first task and keeps it, with the last few scenes' programs.
+
+    Raises
+    ------
+    Abandoned
+        Where the time is over that the task had.
+    """
+    engines: OrderedDict[tuple[str, str], Engine] | None = getattr(_mine, "engines", None)
+    if engines is None:
+        engines = _mine.engines = OrderedDict()
+    digest = tables_digest(task.tables)
+    key = task.key, digest
+    if key not in engines:
+        engines[key] = make_engine(task.device, task.tables, task.plan)
+        while len(engines) > _KEPT_ENGINES:
+            engines.popitem(last=False)
+    engines.move_to_end(key)
+    engine = engines[key]
+    until = None if task.seconds is None else time.perf_counter() + task.seconds
+    engine.give_up = None if until is None else lambda: time.perf_counter() > until
+    return sealed(compute(engine, task.first, task.n), task, digest)
+
+
+@dataclass(eq=False)
+class _Asked:
+    """A task and what has come of it."""
+
+    task: Task
+    asked_at: float
+    tries: int = 0
+    here: bool = False
+    chunk: Chunk | None = None
+
+
+class Executed:
+    """Runs batches on the workers of an executor.
+
+    Parameters
+    ----------
+    executor : Executor
+        Anything with the interface of `concurrent.futures.Executor`; processes, threads, hosts.
+    scene : str
+        Digest of the scene, for the workers' caches and their seals.
+    tables : DeviceTables
+        The compiled scene.
+    device : DeviceRecord, str or None
+        What each worker chooses its device by.
+    plan : ExecutionPlan or None
+        How; changes no bit.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        scene: str,
+        tables: DeviceTables,
+        device: DeviceRecord | str | None,
+        plan: ExecutionPlan | None,
+    ) -> None:
+        if not callable(getattr(executor, "submit", None)):
+            raise ArgumentError(
+                f"executor: found {show(executor)}, expected something with the interface of "
+                "concurrent.futures.Executor (it has no method submit)"
+            )
+        self.executor = executor
+        self._whole = Task(
+            f"{scene} {device} {plan}", scene, tables_digest(tables), tables, device, plan, 0, 1
+        )
+        workers = getattr(executor, "_max_workers", None)
+        workers = workers if type(workers) is int and workers > 0 else os.cpu_count() or 1
+        self.window = _WINDOW * workers
+        self._clock: Clock | None = None
+        self._interrupted: Callable[[], bool] = lambda: False
+        self._local: Local | None = None
+        self._trusted = True
+        self._failed = self._answers = 0
+        self._longest = 0.0
+        self._tickets: dict[int, _Asked] = {}
+        self._next_ticket = 0
+        self._said: set[str] = set()
+
+    def watch(self, clock: Clock, interrupted: Callable[[], bool]) -> None:
+        """Wait no longer than the clock allows, nor beyond Ctrl-C."""
+        self._clock, self._interrupted = clock, interrupted
+
+    def complaint(self) -> str:
+        """Say that nobody answered, where that is so."""
+        if self._answers or self._clock is None:
+            return ""
+        return (
+            f"no worker of the executor answered within {self._clock.elapsed():.0f} s (max_seconds "
+            f"is {self._clock.limit:g}), so there is nothing to report: workers need some seconds "
+            "to start and to build the program; raise max_seconds, or see whether they run"
+        )
+
+    # -- in order ------------------------------------------------------------------------------
+
+    def chunks(
+        self, first: int, last: int | None, size: Callable[[], int | None]
+    ) -> Iterator[Chunk]:
+        """Give batches in order, see `Runner.chunks`."""
+        rays = int(self._whole.tables.launch["rays_per_batch"])
+        usual = max(_RAYS_OF_A_TASK // rays, 1)
+        if last is not None:
+            # Shared out among the workers rather than given whole to a few of them.
+            usual = max(min(usual, -(-(last - first) // self.window)), 1)
+        asked: OrderedDict[int, _Asked] = OrderedDict()
+        self._heard_at = time.perf_counter()
+        desk = Desk(self.executor, run_task)
+        try:
+            while asked or last is None or first < last:
+                while (last is None or first < last) and (not asked or self._room(asked)):
+                    limit = size()
+                    n = usual if limit is None else min(usual, limit)
+                    n = n if last is None else min(n, last - first)
+                    asked[first] = _Asked(replace(self._whole, first=first, n=n), 0.0)
+                    if self._room(()):
+                        self._ask(desk, asked[first])
+                    else:  # it is silent, or not asked any more
+                        asked[first].here = True
+                    first += n
+                chunk = self._await(desk, next(iter(asked.values())))
+                if chunk is None:
+                    return
+                asked.popitem(last=False)
+                yield chunk
+        finally:
+            desk.close()
+
+    def _room(self, asked: Collection[object]) -> bool:
+        """Say whether another task may be asked for; neither those nor their answers pile up."""
+        return self._trusted and max(len(asked), len(self._tickets)) < self.window
+
+    def _ask(self, desk: Desk, item: _Asked) -> None:
+        item.tries += 1
+        item.asked_at = time.perf_counter()
+        seconds = self._clock.seconds_for_workers() if self._clock else None
+        self._tickets[self._next_ticket] = item
+        desk.ask(self._next_ticket, replace(item.task, seconds=seconds))
+        self._next_ticket += 1
+
+    def _await(self, desk: Desk, item: _Asked) -> Chunk | None:
+        """Return a task's batches, None where there is no time left for them."""
+        while (answer := desk.hear(0.0)) is not None:
+            self._take(desk, answer)
+        while item.chunk is None:
+            if self._over():
+                return None
+            if item.here or not self._trusted:
+                return self._trace_here(item.task)
+            answer = desk.hear(_TICK)
+            if answer is not None:
+                self._take(desk, answer)
+            else:
+                self._look_at_silence(desk, item)
+        return item.chunk
+
+    def _over(self) -> bool:
+        return self._interrupted() or (self._clock is not None and self._clock.waited_enough())
+
+    # -- answers -------------------------------------------------------------------------------
+
+    def _take(self, desk: Desk, answer: Answer) -> None:
+        """Note what came of a task."""
+        item = self._tickets.pop(answer.ticket, None)
+        if item is None:
+            return  # it is not trusted any more
+        now = time.perf_counter()
+        self._heard_at = now
+        error = answer.error
+        if error is None:
+            if item.chunk is not None:
+                return  # the task was asked for twice
+            try:
+                item.chunk = checked(answer.value, item.task)
+            except RefusedError as refused:
+                self._fail(desk, item, f"an answer was refused, as it {refused}", wrong=True)
+                return
+            self._answers += 1
+            self._longest = max(self._longest, now - item.asked_at)
+        elif isinstance(error, BrokenExecutor):
+            self._give_up_on(f"the executor broke ({_told(error)})")
+        elif isinstance(error, NotSubmittedError):
+            self._fail(desk, item, f"a task could not be submitted ({_told(error.__cause__)})")
+        elif isinstance(error, PhotizonError | HostError):
+            raise error
+        elif isinstance(error, pickle.PicklingError):
+            raise RunError(f"the executor cannot send a task to its workers: {_told(error)}")
+        elif not isinstance(error, Abandoned):  # its time is over, as ours is in a moment
+            self._fail(desk, item, f"a task was lost ({_told(error)})")
+
+    def _fail(self, desk: Desk, item: _Asked, what: str, *, wrong: bool = False) -> None:
+        """Ask for a task again, here at last."""
+        if item.chunk is not None or item.here or not self._trusted:
+            return
+        where = f"{numbers(item.task.first, item.task.n)}: {what}"
+        if item.tries < _TRIES:
+            if wrong:  # losing a task is what workers do; answering wrongly is not
+                self._say("wrong", f"{where}; it is asked for again")
+            self._ask(desk, item)
+            return
+        item.here = True
+        self._failed += 1
+        if self._failed >= _MOST_FAILED:
+            self._give_up_on(f"the executor failed at {self._failed} tasks, the last one {where}")
+        else:
+            self._say("here", f"{where}, twice; the batches are traced in this process")
+
+    def _give_up_on(self, why: str) -> None:
+        if self._trusted:
+            self._trusted = False
+            self._tickets.clear()
+            rest = "it is not asked any more, and the rest is traced in this process"
+            self._say("given up", f"{why}: {rest}")
+
+    def _look_at_silence(self, desk: Desk, item: _Asked) -> None:
+        """Do something about a task whose answer does not come."""
+        now = time.perf_counter()
+        patience = _FIRST_ANSWER
+        if self._answers:
+            patience = max(_LATER_ANSWER, _TIMES * self._longest)
+        limit = None if self._clock is None else self._clock.limit
+        if limit is not None:
+            patience = min(patience, limit / (4.0 if self._answers else 2.0))
+        waited = now - max(item.asked_at, self._heard_at)
+        if waited > patience:
+            item.here = True
+            self._say(
+                "silent",
+                f"the executor has not answered for {waited:.0f} s: "
+                f"{numbers(item.task.first, item.task.n)} and, until it does, what follows are "
+                "traced in this process",
+            )
+        elif self._answers and now - item.asked_at > patience:
+            self._fail(desk, item, f"no answer in {now - item.asked_at:.0f} s")
+
+    def _say(self, kind: str, text: str) -> None:
+        """Warn, once of each kind of thing."""
+        if kind not in self._said:
+            self._said.add(kind)
+            warnings.warn(text, RunWarning, stacklevel=2)
+
+    # -- in this process -----------------------------------------------------------------------
+
+    def _trace_here(self, task: Task) -> Chunk | None:
+        if self._local is None:
+            try:
+                self._local = Local(task.tables, task.device, task.plan)
+            except PhotizonError as error:
+                raise RunError(
+                    f"the executor did not compute {numbers(task.first, task.n)}, and this "
+                    f"process cannot: {error}"
+                ) from error
+            self._local.engine.give_up = self._over
+        try:
+            return compute(self._local.engine, task.first, task.n)
+        except Abandoned:
+            return None
+
+
+def _told(error: BaseException | None) -> str:
+    """Return what an executor raised, in a line that is fit to be shown."""
+    name = type(error).__name__
+    if isinstance(error, CancelledError):
+        return "it was cancelled"
+    try:
+        text = " ".join(str(error).split())
+    except Exception:  # the exception's own text may fail
+        text = ""
+    text = text if len(text) <= 200 else f"{text[:200]}…"
+    return printable(f"{name}: {text}" if text else name)
