@@ -53,6 +53,12 @@ class Queue:
         self._check(capacity)
         self.fields = [self._allocate(n, dtype) for n, dtype in self._layout]
 
+    @staticmethod
+    def bytes_of_a_ray(spec: ProgramSpec) -> int:
+        """Return how much memory a waiting ray takes."""
+        fields = spec.ray_fields
+        return 8 * len(of_type(fields, "real", "long", "ulong")) + 4 * len(of_type(fields, "word"))
+
     @property
     def places(self) -> int:
         """Rays that all segments together hold."""
@@ -79,7 +85,8 @@ class Queue:
         raise QueueFull(
             f"{self.n_items * capacity // 2} rays that split off are waiting and more come: "
             f"room for twice as many takes {sum(sizes) / 1e9:.1f} GB, and the queue may have "
-            f"{min(record.max_allocation, self.budget) / 1e9:.1f} GB"
+            f"{min(record.max_allocation, self.budget) / 1e9:.1f} GB: set roulette_floor (1e-6, "
+            "say), or lower generation_cap or rays_per_batch, so that fewer wait"
         )
 
     def _rows(self, n: int, capacity: int) -> tuple[int, int]:

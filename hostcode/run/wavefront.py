@@ -54,6 +54,8 @@ _FIRST_STEPS: Final = 1 << 14
 _LAUNCH_SECONDS: Final = (0.05, 0.2)
 """A launch shorter than the first has twice the steps next time, one longer than the second half.
 Between launches a run may be given up."""
+_WAITING_BYTES: Final = 64 << 20
+"""Device memory for waiting rays at first, where it is enough; it grows when more wait."""
 _COPIES_BYTES: Final = 64 << 20
 """Device memory that the tally stage's own copies may take."""
 
@@ -201,7 +203,10 @@ class Engine:
             return 2 * rays + lanes if splitting else rays
         if self.plan.composition == "whole-path":
             return self.plan.stack_rays if splitting else 1
-        return max(self.plan.stack_rays, 4 * self.plan.lanes) if splitting else self.plan.lanes
+        if not splitting:
+            return self.plan.lanes
+        most = _WAITING_BYTES // (self._items * Queue.bytes_of_a_ray(self.tables.spec))
+        return max(min(self.plan.stack_rays, most), 4 * self.plan.lanes)
 
     def _count_records(self) -> int:
         lanes, rays = self.plan.lanes, self._rays_per_item()

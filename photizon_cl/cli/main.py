@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
+import threading
 import warnings
 from contextlib import contextmanager
 from importlib import import_module
@@ -131,6 +133,26 @@ def _plain_warnings() -> Iterator[None]:
         warnings.showwarning = usual
 
 
+@contextmanager
+def _other_signals() -> Iterator[None]:
+    """Have a signal that would end the process do what Ctrl-C does: what there is is saved.
+
+    One that was asked to be ignored, as by nohup, stays ignored.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    known = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    ours = [number for number in known if signal.getsignal(number) is signal.SIG_DFL]
+    for number in ours:
+        signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
+    try:
+        yield
+    finally:
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command.
 
@@ -153,7 +175,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as leaving:  # --help, --version, or a message that is out already
         return leaving.code if isinstance(leaving.code, int) else 0
     try:
-        with _plain_warnings():
+        with _plain_warnings(), _other_signals():
             status: int = arguments.call(arguments)
         sys.stdout.flush()
         return status

@@ -25,7 +25,11 @@ __all__ = ["give", "print_result"]
 
 _MOST_TALLIED: Final = 10
 """Rows of what an effect counts that are printed; the files have all."""
-_STOPPED: Final = {"interrupt": "by Ctrl-C", "time": "by max_seconds"}
+_STOPPED: Final = {
+    "interrupt": "by Ctrl-C or another signal",
+    "time": "by max_seconds",
+    "memory": "as no more rays may wait",
+}
 """What ends a run before its goal."""
 
 

@@ -44,7 +44,7 @@ _BLOCK: Final = 1 << 18
 _LOW: Final = 1 << 32
 _AGREES: Final = 1e-6
 """Part of a mean, or of its scatter, by which Welford's mean may miss the exact total's."""
-_STOPPED: Final = ("", "target", "batches", "time", "interrupt")
+_STOPPED: Final = ("", "target", "batches", "time", "interrupt", "memory")
 
 
 def check_shapes(variables: Mapping[str, Any], layout: TallyLayout, file_bytes: int) -> None:

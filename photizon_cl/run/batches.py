@@ -6,11 +6,19 @@ import dataclasses
 import operator
 import signal
 import threading
+import warnings
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER, CompiledScene
-from photizon_cl.errors import ArgumentError, ResultError, RunError, SceneError, show
+from photizon_cl.errors import (
+    ArgumentError,
+    ResultError,
+    RunError,
+    RunWarning,
+    SceneError,
+    show,
+)
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.estimates import Estimates, RunInfo
 from photizon_cl.result.ledger import check_batch
@@ -215,7 +223,9 @@ def _add_batches(
             raise KeyboardInterrupt
         raise RunError(runner.complaint() or _no_batch(compiled, clock))
     history.note(compiled.layout, tally, clock.elapsed(), last=True)
-    stopped = "interrupt" if interrupted() else "time"
+    stopped = "interrupt" if interrupted() else "memory" if runner.full() else "time"
+    if stopped == "memory":
+        warnings.warn(runner.complaint(), RunWarning, stacklevel=4)
     if goal.reached(compiled.layout, tally):
         stopped = "batches" if tally.batches == goal.batches else "target"
     result = type(start)(compiled, tally, so_far(stopped))

@@ -16,7 +16,7 @@ from hostcode.device.device import (
     open_device,
     preferred_lanes,
 )
-from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError
+from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError, QueueFull
 from hostcode.program.plan import ExecutionPlan, default_plan
 from hostcode.run.wavefront import Engine
 from photizon_cl.errors import ArgumentError, RunError, show
@@ -47,6 +47,10 @@ class Runner(Protocol):
 
     def complaint(self) -> str:
         """Say why there is no batch, where that is not the scene's doing; else nothing."""
+        ...
+
+    def full(self) -> bool:
+        """Say whether batches ended because there was no room for the rays that wait."""
         ...
 
     def chunks(
@@ -177,14 +181,19 @@ class Local:
         plan: ExecutionPlan | None,
     ) -> None:
         self.engine = make_engine(device, tables, plan)
+        self._full = ""
 
     def watch(self, clock: Clock, interrupted: Callable[[], bool]) -> None:
-        """Give batches in flight up when the clock says so; Ctrl-C lets them end."""
-        self.engine.give_up = clock.must_stop
+        """Give batches in flight up when the clock or Ctrl-C says so."""
+        self.engine.give_up = lambda: clock.must_stop(interrupted=interrupted())
 
     def complaint(self) -> str:
-        """Say nothing: what takes long is the scene."""
-        return ""
+        """Say where there is no room for the rays that wait; what takes long is the scene."""
+        return self._full
+
+    def full(self) -> bool:
+        """Say whether batches ended because there was no room."""
+        return bool(self._full)
 
     def chunks(
         self, first: int, last: int | None, size: Callable[[], int | None]
@@ -200,6 +209,11 @@ class Local:
             try:
                 chunk = compute(self.engine, first, n)
             except Abandoned:
+                return
+            except RunError as error:
+                if not isinstance(error.__cause__, QueueFull):
+                    raise
+                self._full = str(error)
                 return
             yield chunk
             first += n

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from photizon_cl.result.stopping import LEAST_BATCHES, Goal, achieved_sigma
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 __all__ = ["Clock", "Progress"]
 
 
+_GRACE: Final = 2.0
+"""Seconds for the first batch to end once Ctrl-C was pressed."""
+
+
 class Clock:
     """Time of one call, and how many batches still fit into it."""
 
@@ -24,6 +28,7 @@ class Clock:
         self.limit = goal.max_seconds
         self.first = self.batches = first
         self.started = time.perf_counter()
+        self.interrupted: float | None = None  # when Ctrl-C was noticed
 
     def elapsed(self) -> float:
         """Return the seconds since the call began."""
@@ -37,15 +42,19 @@ class Clock:
         """Say whether the time is up."""
         return self.limit is not None and self.elapsed() >= self.limit
 
-    def must_stop(self) -> bool:
-        """Say whether the batches in flight are to be given up: time is up and there are others.
+    def must_stop(self, *, interrupted: bool = False) -> bool:
+        """Say whether the batches in flight are to be given up: time is up, or Ctrl-C was pressed.
 
-        The first batch of a call has a fifth more, and a second.
+        The first batch of a call has a fifth more and a second, and two seconds from Ctrl-C on.
         """
+        now, first = self.elapsed(), self.batches == self.first
+        if interrupted and self.interrupted is None:
+            self.interrupted = now
+        if self.interrupted is not None and (not first or now > self.interrupted + _GRACE):
+            return True
         if self.limit is None:
             return False
-        first = self.batches == self.first
-        return self.elapsed() >= (1.2 * self.limit + 1.0 if first else self.limit)
+        return now >= (1.2 * self.limit + 1.0 if first else self.limit)
 
     def waited_enough(self) -> bool:
         """Say whether workers are not waited for any more.

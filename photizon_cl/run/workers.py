@@ -152,6 +152,10 @@ class Executed:
         """Wait no longer than the clock allows, nor beyond Ctrl-C."""
         self._clock, self._interrupted = clock, interrupted
 
+    def full(self) -> bool:
+        """Say no: a worker that has no room fails, and its error ends the run."""
+        return False
+
     def complaint(self) -> str:
         """Say that nobody answered, where that is so."""
         if self._answers or self._clock is None:

@@ -1,0 +1,75 @@
+"""Runs end when they are told to, with what is whole or one line that says why there is nothing."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import photizon_cl as pz
+from benchmarks.limits import ROOM_FACTOR, ROOM_SECONDS, endless
+from hostcode.run import queue
+
+
+def program_of(scene):
+    """Build the program of a scene, which is no part of a run's time."""
+    with pytest.raises(pz.RunError):
+        pz.trace(scene, max_seconds=0.01)
+
+
+@pytest.mark.parametrize("kind", ["white box", "glass in mirrors"])
+def test_a_batch_that_never_ends_is_given_up(kind):
+    scene = endless(kind, 2**16 if kind == "white box" else 16)
+    program_of(scene)
+    began = time.monotonic()
+    with pytest.raises(pz.RunError) as caught:
+        pz.trace(scene, max_seconds=1.0)
+    assert time.monotonic() - began < ROOM_FACTOR + ROOM_SECONDS
+    (line,) = str(caught.value).splitlines()
+    assert "rays_per_batch" in line
+
+
+def test_rays_that_wait_have_a_budget(monkeypatch):
+    """Splitting without bound ends with a line, and nothing of it stays."""
+    monkeypatch.setattr(queue, "BUDGET", 1 << 22)
+    scene = endless("glass in mirrors", 16)
+    with pytest.raises(pz.RunError) as caught:
+        pz.trace(scene, max_seconds=20.0)
+    (line,) = str(caught.value).splitlines()
+    assert "rays that split off are waiting and more come" in line
+    assert "set roulette_floor (1e-6, say)" in line
+
+
+SAYS_BATCHES = """
+import sys
+from photizon_cl.cli.main import main
+from photizon_cl.run.progress import Clock
+
+note = Clock.note
+Clock.note = lambda self, batches: (note(self, batches), print("batches", batches, flush=True))
+sys.exit(main())
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of POSIX")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_end_a_run_and_save_it(tmp_path, number):
+    out = tmp_path / "out"
+    arguments = ["run", "box-room", "--target", "1e-6", "--out", str(out)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen([sys.executable, "-c", SAYS_BATCHES, *arguments], **pipes) as run:
+        while not run.stdout.readline().startswith("batches"):
+            assert run.poll() is None, run.stderr.read()
+        os.kill(run.pid, number)
+        began = time.monotonic()
+        printed, errors = run.communicate(timeout=60)
+        assert time.monotonic() - began < 20.0  # it saves arrays and figures
+        assert "Traceback" not in errors
+    assert "stopped by Ctrl-C or another signal" in printed
+    result = pz.open_result(out)
+    assert result.info.stopped == "interrupt"
+    assert result.batches > 0
