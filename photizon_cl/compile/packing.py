@@ -15,6 +15,8 @@ from photizon_cl.scene.frames import axis_index
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from hostcode.run.tables import DeviceTables
@@ -254,7 +256,7 @@ def geometry_table(
     return table.ravel()
 
 
-def _from_shift(position: Vec3, shift: Vec3) -> Vec3:
+def _from_shift(position: Sequence[float], shift: Vec3) -> Vec3:
     return (position[0] - shift[0], position[1] - shift[1], position[2] - shift[2])
 
 

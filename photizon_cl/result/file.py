@@ -28,7 +28,8 @@ from photizon_cl.result.arrays import dataset
 from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates, RunInfo
 from photizon_cl.result.statistics import Accumulator, AccumulatorState
 from photizon_cl.result.stopping import Goal
-from photizon_cl.scene.files import load, to_toml
+from photizon_cl.scene.files import load
+from photizon_cl.scene.writing import to_toml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

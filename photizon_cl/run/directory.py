@@ -16,8 +16,8 @@ from photizon_cl.atomic import TEMPORARY, reason, replacing
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import ResultError, show
 from photizon_cl.result.file import read_file, read_scene, write_arrays
-from photizon_cl.scene.files import to_toml
 from photizon_cl.scene.model import same_stream
+from photizon_cl.scene.writing import to_toml
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

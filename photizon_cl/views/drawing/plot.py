@@ -32,6 +32,8 @@ from photizon_cl.views.drawing.view import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
@@ -242,7 +244,7 @@ def _draw_source(axes: Axes, box: Box, source: Any, h: int, v: int) -> None:
 def _arrow(
     axes: Axes,
     box: Box,
-    position: tuple[float, float, float],
+    position: Sequence[float],
     direction: tuple[float, float, float],
     h: int,
     v: int,
