@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.cli.arguments import SCENE
+from photizon_cl.cli.arguments import add_scene, load_scene
 
 if TYPE_CHECKING:
     import argparse
@@ -17,14 +17,12 @@ __all__ = ["add_arguments", "call"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
-    parser.add_argument("scene", metavar="SCENE", help=SCENE)
+    add_scene(parser)
 
 
 def call(arguments: argparse.Namespace) -> int:
     """Check a scene; return the exit status."""
-    from photizon_cl.scene.files import load
-
-    _print(load(arguments.scene))
+    _print(load_scene(arguments))
     return 0
 
 

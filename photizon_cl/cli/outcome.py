@@ -29,13 +29,20 @@ _STOPPED: Final = {"interrupt": "by Ctrl-C", "time": "by max_seconds"}
 """What ends a run before its goal."""
 
 
-def give(result: Result, folder: str | None, *, as_json: bool, said: Collection[str] = ()) -> int:
+def give(
+    result: Result,
+    folder: str | None,
+    *,
+    figures: bool = True,
+    as_json: bool,
+    said: Collection[str] = (),
+) -> int:
     """Write and print a result, without what was said already; return the exit status."""
     # Files first: a reader that closes the pipe must not cost the result.
     failed: ResultError | None = None
     if folder is not None:
         try:
-            result.save(folder)
+            result.save(folder, figures=figures)
         except ResultError as error:
             failed = error  # the numbers are still worth printing
     if as_json:

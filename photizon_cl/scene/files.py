@@ -48,6 +48,9 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
     path = Path(os.fsdecode(source))
     if isinstance(source, str) and path.suffix.lower() not in SUFFIXES and not _exists(path):
         near = difflib.get_close_matches(source.lower(), preset_names(), 1)
+        beside = [path.name + end for end in SUFFIXES if _exists(Path(f"{path}{end}"))]
+        if beside:
+            near = [show(f"{source}{beside[0][len(path.name) :]}") + ", the file that is there"]
         hint = f"did you mean {near[0]}? " if near else ""
         hint += f"the presets are {', '.join(preset_names())}"
         found = f"{show(source)}, which is neither a preset nor a file"

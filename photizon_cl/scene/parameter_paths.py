@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["read_assignment", "with_values"]
 
 _PART: Final = re.compile(
-    r"""\s*(?: "(?:[^"\\]|\\.)*" | '[^']*' | \[\s*\d{1,9}\s*\] | [^\s."'\[\]=]+(?:\ +[^\s."'\[\]=]+)*
-    )\s*""",
+    r"""\s*(?: "(?:[^"\\]|\\.)*" | '[^']*' | \[\s*\d{1,9}\s*\]
+    | [^\s."'\[\]=]+(?:\ +[^\s."'\[\]=]+)* )\s*""",
     re.VERBOSE,
 )
 _LONGEST: Final = 1000  # characters of a path: a name has 64
