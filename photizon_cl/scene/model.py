@@ -63,15 +63,20 @@ class Scene(Described):
 
     name: str = field(metadata=unique_name("short name"))
     source: Accepts[Sequence[Source], ByName[Source]] = field(
-        default=REQUIRED, metadata=declare(NestedList(Source, 1))
+        default=REQUIRED, metadata=declare(NestedList(Source, 1, meaning="where rays start"))
     )
     element: Accepts[Sequence[Element], ByName[Element]] = field(
-        default=_NO_ELEMENTS, metadata=declare(NestedList(Element, 0))
+        default=_NO_ELEMENTS, metadata=declare(NestedList(Element, 0, meaning="what they can hit"))
     )
     run: RunSettings = field(
-        default_factory=RunSettings, metadata=declare(Nested(RunSettings, "the settings of a"))
+        default_factory=RunSettings,
+        metadata=declare(
+            Nested(RunSettings, "the settings of a", meaning="how it is run by default")
+        ),
     )
-    far_field: FarField | None = field(default=None, metadata=declare(Nested(FarField)))
+    far_field: FarField | None = field(
+        default=None, metadata=declare(Nested(FarField, meaning="bins for what escapes"))
+    )
     title: str = field(default="", metadata=free_text("one line for people"))
     notes: str = field(default="", metadata=free_text("free text"))
 

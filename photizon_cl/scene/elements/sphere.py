@@ -55,8 +55,8 @@ class Sphere(Element):
     port_fraction : float, optional
         f, 0 for a whole sphere. A sphere with a port is a wall and refuses surfaces that refract.
     port_radius : float, optional
-        Instead of f, the radius of the port's rim r < R in metres: f = (1 − sqrt(1 − r²/R²))/2, less
-        than half of the sphere. `port` is f, whichever is given.
+        Instead of f, the radius of the port's rim r < R in metres: f = (1 − sqrt(1 − r²/R²))/2,
+        less than half of the sphere. `port` is f, whichever is given.
     """
 
     kind: ClassVar[str] = "sphere"
