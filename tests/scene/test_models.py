@@ -135,7 +135,7 @@ def test_sources():
 def test_presets_are_listed_and_valid():
     folder = preset_path("box-room").parent
     assert {path.stem for path in folder.glob("*.toml")} == set(preset_names())
-    for entry in presets():
+    for entry in presets().values():
         scene = load(entry.name)
         assert scene.name == entry.name
         assert scene.title == entry.title

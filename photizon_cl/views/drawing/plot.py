@@ -23,11 +23,13 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 
 from photizon_cl.geometry.outlines import cut, edges, facets
+from photizon_cl.result.paths import Paths
 from photizon_cl.views.drawing.view import (
     FAINTEST,
     Box,
     ShownRays,
     bounding_box,
+    no_rays,
     shown_rays,
 )
 
@@ -37,7 +39,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from photizon_cl.result.paths import Paths
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
 
@@ -56,19 +57,19 @@ _LONG: Final = 4.5
 _NAMES: Final = "xyz"
 
 
-def draw_scene(found: Paths, by: str = "generation") -> Figure:
+def draw_scene(found: Paths | Scene, by: str = "generation") -> Figure:
     """Draw a scene with paths through it.
 
     Parameters
     ----------
-    found : Paths
-        What `photizon_cl.paths` returned.
+    found : Paths or Scene
+        What `photizon_cl.paths` returned; a scene is drawn without rays.
     by : str
         What colours the rays: ``"generation"`` or ``"weight"``.
     """
-    scene = found.scene
+    scene = found.scene if isinstance(found, Paths) else found
     box = bounding_box(scene)
-    rays = shown_rays(found, box)
+    rays = shown_rays(found, box) if isinstance(found, Paths) else no_rays()
     colours, bar, label = ray_colours(rays, by)
     # A long scene lies on its side, as on an optical bench.
     lying = bool(box.extent[2] > 1.3 * max(box.extent[0], box.extent[1]))
@@ -104,9 +105,12 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
         columnspacing=1.6,
     )  # fmt: skip
     legend.set_in_layout(False)
-    notes = [f"{scene.run.rays_per_batch} rays, seed {scene.run.seed}, projected on each panel"]
-    notes += _cut_short(found)
-    if not label:
+    notes = ["no rays drawn"]
+    if isinstance(found, Paths):
+        run = scene.run
+        notes = [f"{run.rays_per_batch} rays, seed {run.seed}, projected on each panel"]
+        notes += _cut_short(found)
+    if not label and isinstance(found, Paths):
         notes.append("no ray meets more than one surface")
     if rays.faint:
         notes.append(f"{rays.faint} segments of weight below {FAINTEST:g} are not drawn")
