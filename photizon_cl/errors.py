@@ -17,11 +17,15 @@ else that surfaces is a defect of the program and keeps its traceback.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 _WIDTH = 60  # characters of a found value that a message shows
+_DANGEROUS = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
 _INTEGER_BITS = 256  # longer integers are described; str() of a giant one is itself an error
 
 
@@ -139,6 +143,15 @@ def key(name: object) -> str:
     ):
         return name
     return show(name)
+
+
+def plain(text: str) -> str:
+    """Return text for a terminal, with control and bidirectional characters escaped.
+
+    These move the cursor, change colours or turn the order of what is read around. Line breaks and
+    tabs stay.
+    """
+    return _DANGEROUS.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def show(value: object) -> str:

@@ -31,12 +31,12 @@ def _print(scene: Scene) -> None:
     from rich.text import Text
 
     from photizon_cl.checks.advisories import advisories
-    from photizon_cl.cli.tables import console, paragraph
+    from photizon_cl.cli.tables import console, heading, paragraph
     from photizon_cl.compile.compiled import compile_scene
 
     compiled = compile_scene(scene, scene.run)
     out = console()
-    out.print(Text.assemble((scene.name, "bold"), f"  {scene.title}"))
+    out.print(heading(scene.name, f"  {scene.title}"))
 
     def line(text: str, indent: str = "  ") -> None:
         out.print(paragraph(text, indent), soft_wrap=True)

@@ -19,7 +19,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from hostcode.errors import CacheWarning
-from photizon_cl.errors import PhotizonError
+from photizon_cl.errors import PhotizonError, plain
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line and the exit status of bad input."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+        self.exit(2, f"{self.prog}: {plain(message)} (see {self.prog} --help)\n")
 
 
 class VerbParser(_Parser):
@@ -113,7 +113,7 @@ def _plain_warnings() -> Iterator[None]:
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
         if issubclass(category, CacheWarning):
-            print(f"photizon: {message}", file=sys.stderr)
+            print(f"photizon: {plain(str(message))}", file=sys.stderr)
         else:
             usual(message, category, *where, **more)
 
@@ -122,6 +122,25 @@ def _plain_warnings() -> Iterator[None]:
         yield
     finally:
         warnings.showwarning = usual
+
+
+def _open_streams() -> None:
+    """Have what was closed (``>&-``) lead nowhere.
+
+    Else text for it has no place, or another one's, and the next file that is opened gets its
+    number, and with it whatever a library prints.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            opened = os.open(os.devnull, os.O_RDWR)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+        if getattr(sys, name) is None:
+            mode = "w" if number else "r"
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -137,6 +156,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit status.
     """
+    _open_streams()
     # A locale that cannot print σ or W/m² must not end a run.
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -151,7 +171,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except PhotizonError as error:
-        print(str(error), file=sys.stderr)
+        print(plain(str(error)), file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
         # The reader had enough. Python flushes at its end: give it somewhere to flush to.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from rich.text import Text
 
-from photizon_cl.cli.tables import console, paragraph, print_table, table
+from photizon_cl.cli.tables import console, heading, paragraph, print_table, table
 from photizon_cl.errors import ResultError
 from photizon_cl.result.tallies import only_counts, ranked
 from photizon_cl.result.text import lit_percent, with_error
@@ -66,7 +66,7 @@ def _told(failed: ResultError | None) -> int:
 def print_result(result: Result, out: Console, said: Collection[str] = ()) -> None:
     """Print ledger, detectors and advisories, these without what was said before."""
     head = result.scene.title or result.scene.name
-    out.print(Text(head, "bold"))
+    out.print(heading(head))
     run = result.scene.run
     out.print(
         paragraph(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.text import Text
 
 from photizon_cl.cli.tables import console
+from photizon_cl.errors import plain
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -20,7 +21,7 @@ class Display:
     """One line on standard error that is redrawn; silent where that is no terminal."""
 
     def __init__(self, title: str) -> None:
-        self.title = title
+        self.title = plain(title)
         self.live: Any = None
 
     def __enter__(self) -> Display:
