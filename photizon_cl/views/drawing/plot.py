@@ -15,7 +15,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, PowerNorm
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Line3DCollection,
@@ -32,11 +31,13 @@ from photizon_cl.views.drawing.view import (
     no_rays,
     shown_rays,
 )
+from photizon_cl.views.shown import ShownFigure
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from photizon_cl.scene.elements import Element
@@ -75,7 +76,7 @@ def draw_scene(found: Paths | Scene, by: str = "generation") -> Figure:
     lying = bool(box.extent[2] > 1.3 * max(box.extent[0], box.extent[1]))
     ratio = max(box.extent[0], box.extent[1]) / box.extent[2] if lying else 1.0
     height = float(np.clip(2.6 + 11.0 * ratio, 7.4, 9.6))
-    figure = Figure(figsize=(11.0, height), layout="constrained", facecolor="white")
+    figure = ShownFigure(figsize=(11.0, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     views = [(2, 0), (2, 1), (0, 1)] if lying else [(0, 2), (1, 2), (0, 1)]
     places = [(0, 0), (1, 0), (0, 1)]
