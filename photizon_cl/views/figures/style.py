@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
+    from matplotlib.figure import Figure
+
     from photizon_cl.result.estimates import Estimates
 
 __all__ = [
