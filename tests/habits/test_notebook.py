@@ -12,16 +12,30 @@ nbclient = pytest.importorskip("nbclient")
 pytest.importorskip("ipykernel")
 
 ROOT = Path(__file__).resolve().parents[2]
-CELLS = [
-    'import photizon_cl as pz\nscene = pz.load("box-room").replace({\'element."wall -x".surface.reflectance\': 0.9})\nscene\n',
-    "pz.draw(scene, rays=10)\n",
-    "result = pz.trace(scene, batches=4, rays_per_batch=2048)\nresult\n",
-    'result.detectors["floor"]\n',
-    'pz.figures.irradiance(result, "floor")\n',
-    '%matplotlib inline\nresult.to_dataset()["floor"]["irradiance"].plot()\n',
-    'better = result.refine(batches=8)\nbefore, after = (r.ledger.absorbed["floor"] for r in (result, better))\nprint(f"{before:.3f} {after:.3f}", result.batches, better.batches)\n',
-    'scene.element["wal -x"]\n',
-]
+NOTEBOOK = """\
+import photizon_cl as pz
+scene = pz.load("box-room").replace({'element."wall -x".surface.reflectance': 0.9})
+scene
+---
+pz.draw(scene, rays=10)
+---
+result = pz.trace(scene, batches=4, rays_per_batch=2048)
+result
+---
+result.detectors["floor"]
+---
+pz.figures.irradiance(result, "floor")
+---
+%matplotlib inline
+result.to_dataset()["floor"]["irradiance"].plot()
+---
+better = result.refine(batches=8)
+before, after = (r.ledger.absorbed["floor"] for r in (result, better))
+print(f"{before:.3f} {after:.3f}", result.batches, better.batches)
+---
+scene.element["wal -x"]
+"""
+CELLS = NOTEBOOK.split("---\n")
 
 
 def outputs(cell, kind):

@@ -201,14 +201,23 @@ def test_names_that_the_locale_cannot_write(tmp_path):
     scene = pz.load("box-room").replace({"element.floor.name": "größe Ω", "title": "Räume"})
     scene.save(tmp_path / "größe.toml")
     quick = " ".join(QUICK)
-    done = shell(f"$P run größe.toml {quick} --out outö && $P report outö", tmp_path, **C_LOCALE)
+    done = shell(f"$P run größe.toml {quick} --out outö", tmp_path, **C_LOCALE)
     assert done.returncode == 0, done.stderr
     assert done.stderr == b""
     figures = os.listdir(tmp_path / "outö" / "figures")
     assert "map-größe_ω.png" in figures
     assert sorted(pz.figures.figure_names(pz.open_result(tmp_path / "outö"))) == sorted(figures)
-    assert (tmp_path / "outö" / "report.html").is_file()
     more = "$P check nöx.toml; $P kinds größe; $P show größe.toml --rays 1"
     done = shell(more, tmp_path, **C_LOCALE)
     assert b"Traceback" not in done.stderr
     assert done.returncode == 0
+
+
+@pytest.mark.slow
+def test_a_report_in_a_locale_that_cannot_write_its_figures_names(tmp_path):
+    scene = pz.load("box-room").replace({"element.floor.name": "größe Ω", "title": "Räume"})
+    pz.trace(scene, batches=2, rays_per_batch=1024).save(tmp_path / "outö", figures=False)
+    done = shell("$P report outö", tmp_path, **C_LOCALE)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert (tmp_path / "outö" / "report.html").is_file()
+    assert "map-größe_ω.png" in os.listdir(tmp_path / "outö" / "figures")
