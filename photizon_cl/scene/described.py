@@ -168,8 +168,14 @@ def default_of(cls: type[Described], item: str) -> Any:
     return entry.default
 
 
+_FIELDS: Final[dict[type, tuple[dataclasses.Field[Any], ...]]] = {}
+"""Of each class once: a scene may have thousands of objects of it."""
+
+
 def _fields(cls: type[Described]) -> tuple[dataclasses.Field[Any], ...]:
-    return dataclasses.fields(cls)  # type: ignore[arg-type]  # every subclass is a dataclass
+    if cls not in _FIELDS:
+        _FIELDS[cls] = dataclasses.fields(cls)  # type: ignore[arg-type]  # each is a dataclass
+    return _FIELDS[cls]
 
 
 class Nested(Parameter):

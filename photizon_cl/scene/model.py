@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.described import REQUIRED, Accepts, Described, Known, Nested, NestedList
 from photizon_cl.scene.elements import Element
-from photizon_cl.scene.parameter_paths import with_values
+from photizon_cl.scene.parameter_paths import put_values
 from photizon_cl.scene.parameters import declare, free_text, unique_name
 from photizon_cl.scene.reader import SCHEMA, read_scene
 from photizon_cl.scene.settings import FarField, RunSettings
@@ -111,7 +111,9 @@ class Scene(Described):
         SceneError
             With every problem of the scene that it would be.
         """
-        return read_scene(Scene, with_values(Scene, self.to_dict(), changes))
+        tables = self.to_dict()
+        put_values(Scene, tables, changes)
+        return read_scene(Scene, tables)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the scene file, in one step; a file of that name is replaced.

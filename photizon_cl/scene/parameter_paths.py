@@ -7,7 +7,6 @@ reader, as if it had stood in the file.
 
 from __future__ import annotations
 
-import copy
 import difflib
 import re
 import tomllib
@@ -21,7 +20,7 @@ from photizon_cl.scene.reader import KINDS
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["read_assignment", "with_values"]
+__all__ = ["put_values", "read_assignment"]
 
 _PART: Final = re.compile(
     r"""\s*(?: "(?:[^"\\]|\\.)*" | '[^']*' | \[\s*\d{1,9}\s*\]
@@ -72,17 +71,15 @@ def _value(text: str) -> Any:
         return text
 
 
-def with_values(
-    scene: type[Described], tables: Mapping[str, Any], changes: Mapping[str, Any]
-) -> dict[str, Any]:
-    """Return a scene's tables with other values.
+def put_values(scene: type[Described], tables: dict[str, Any], changes: Mapping[str, Any]) -> None:
+    """Put other values into a scene's tables.
 
     Parameters
     ----------
     scene : type
         The class of the scene.
-    tables : mapping
-        As `Scene.to_dict` gives them; left alone.
+    tables : dict
+        As `Scene.to_dict` gives them, which are nobody else's.
     changes : mapping of str to object
         Values by path; None takes away what may be absent.
 
@@ -91,11 +88,9 @@ def with_values(
     ArgumentError
         Where a path leads nowhere. Values and the last key are for the reader to judge.
     """
-    made = copy.deepcopy(dict(tables))
     # a name last: other paths have the one that the object has so far
     for path in sorted(changes, key=lambda path: _parts(path)[-1] == "name"):
-        _Way(path, scene, made).put(changes[path])
-    return made
+        _Way(path, scene, tables).put(changes[path])
 
 
 def _parts(path: str) -> list[str | int]:

@@ -174,16 +174,15 @@ class _Reader:
     def kind(
         self, base: type[Described], found: Mapping[str, Any], path: str
     ) -> type[Described] | None:
-        kinds = KINDS[base]
+        kinds, kind = KINDS[base], found.get("kind")
+        if isinstance(kind, str) and kind in kinds:
+            return kinds[kind]
         options = "one of " + " ".join(show(kind) for kind in kinds)
         where = join(path, "kind")
         if "kind" not in found:
             close = self.meant("kind", found, ())
             self.complain(where, _MISSING, options, f"the key kind is required{close}")
             return None
-        kind = found["kind"]
-        if isinstance(kind, str) and kind in kinds:
-            return kinds[kind]
         hint = ""
         if isinstance(kind, str):
             near = difflib.get_close_matches(kind.lower(), kinds, 1)
