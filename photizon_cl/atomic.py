@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["TEMPORARY", "Lock", "on_disk", "reason", "replacing", "sweep"]
+__all__ = ["TEMPORARY", "Lock", "in_any_locale", "reason", "replacing", "sweep"]
 
 TEMPORARY: Final = ".photizon-"
 """How the names of files that are being written begin."""
@@ -39,7 +39,7 @@ def replacing(target: Path) -> Iterator[Path]:
         raise
 
 
-def on_disk(name: str) -> str:
+def in_any_locale(name: str) -> str:
     """Return the name of a file whose bytes are the same in every locale: those of UTF-8.
 
     Without this a name that the locale cannot write, as Ω under ``LC_ALL=C``, makes no file.

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import on_disk
+from photizon_cl.atomic import in_any_locale
 from photizon_cl.cli.arguments import DEVICE, SEED, add_scene, integer, load_scene
 from photizon_cl.errors import ArgumentError, show
 
@@ -38,7 +38,7 @@ def call(arguments: argparse.Namespace) -> int:
     scene = load_scene(arguments)  # a bad scene is told before anything heavy is imported
     out = arguments.out
     if out is None:
-        out = on_disk(re.sub(r"[^\w+.-]+", "_", scene.name).strip(".") + ".png")
+        out = in_any_locale(re.sub(r"[^\w+.-]+", "_", scene.name).strip(".") + ".png")
     path = Path(out)
     if path.suffix.lower() not in FORMATS:
         raise ArgumentError(

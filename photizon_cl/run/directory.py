@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import TEMPORARY, on_disk, reason, replacing
+from photizon_cl.atomic import TEMPORARY, in_any_locale, reason, replacing
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import ResultError, show
 from photizon_cl.result.file import read_file, read_scene, write_arrays
@@ -233,7 +233,7 @@ def save(
             (folder / REPORT).unlink()
         drawn = _draw(result, folder / "figures", formats) if figures else set()
         for name in stale - drawn:
-            (folder / "figures" / on_disk(name)).unlink(missing_ok=True)
+            (folder / "figures" / in_any_locale(name)).unlink(missing_ok=True)
     except OSError as error:
         raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from error
 
@@ -262,7 +262,7 @@ def _draw(result: Estimates, folder: Path, formats: str | Sequence[str]) -> set[
     folder.mkdir(exist_ok=True)
     names = set()
     for name, draw in draw_all(result, formats):
-        with replacing(folder / on_disk(name)) as temporary:
+        with replacing(folder / in_any_locale(name)) as temporary:
             draw(temporary)
         names.add(name)
     return names

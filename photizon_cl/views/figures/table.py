@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import on_disk
+from photizon_cl.atomic import in_any_locale
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.views.figures.convergence_plot import draw_convergence, history
 from photizon_cl.views.figures.far_field_plots import draw_far_field, draw_far_field_cuts
@@ -146,7 +146,7 @@ def write_all(
     """
     written = []
     for name, draw in draw_all(result, formats):
-        written.append(Path(folder) / on_disk(name))
+        written.append(Path(folder) / in_any_locale(name))
         draw(written[-1])
     return written
 

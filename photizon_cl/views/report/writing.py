@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import on_disk, reason, replacing
+from photizon_cl.atomic import in_any_locale, reason, replacing
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.recipe import RecipeText
 from photizon_cl.views.report import figures as drawing
@@ -118,7 +118,7 @@ def _complete(folder: Path, files: dict[str, bytes]) -> tuple[list[Path], list[s
     try:
         folder.mkdir(exist_ok=True)
         for name, png in files.items():
-            file = folder / on_disk(name)
+            file = folder / in_any_locale(name)
             if file.exists():
                 continue
             with replacing(file) as temporary:
