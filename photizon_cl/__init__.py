@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     from photizon_cl.errors import RunError as RunError
     from photizon_cl.errors import RunWarning as RunWarning
     from photizon_cl.errors import SceneError as SceneError
+    from photizon_cl.errors import UnknownNameError as UnknownNameError
     from photizon_cl.result.paths import Paths as Paths
+    from photizon_cl.run.drawing import draw as draw
     from photizon_cl.run.pathing import paths as paths
     from photizon_cl.run.probing import probe as probe
     from photizon_cl.run.recipe import Recipe as Recipe
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.detectors.detector import Detector as Detector
     from photizon_cl.scene.files import load as load
     from photizon_cl.scene.model import Scene as Scene
+    from photizon_cl.scene.presets import presets as presets
     from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
     from photizon_cl.scene.settings import FarField as FarField
     from photizon_cl.scene.settings import RunSettings as RunSettings
@@ -46,6 +49,8 @@ _MODULE_OF: Final[dict[str, str]] = {
     # verbs
     "load": "photizon_cl.scene.files",
     "advisories": "photizon_cl.checks.advisories",
+    "presets": "photizon_cl.scene.presets",
+    "draw": "photizon_cl.run.drawing",
     "trace": "photizon_cl.run.simulation",
     "resume": "photizon_cl.run.simulation",
     "probe": "photizon_cl.run.probing",
@@ -66,6 +71,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "ArgumentError": "photizon_cl.errors",
     "ResultError": "photizon_cl.errors",
     "RecipeError": "photizon_cl.errors",
+    "UnknownNameError": "photizon_cl.errors",
     "RunError": "photizon_cl.errors",
     "RunWarning": "photizon_cl.errors",
 }

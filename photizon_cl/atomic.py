@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 import tempfile
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Final
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["TEMPORARY", "Lock", "reason", "replacing", "sweep"]
+__all__ = ["TEMPORARY", "Lock", "in_any_locale", "reason", "replacing", "sweep"]
 
 TEMPORARY: Final = ".photizon-"
 """How the names of files that are being written begin."""
@@ -36,6 +37,14 @@ def replacing(target: Path) -> Iterator[Path]:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def in_any_locale(name: str) -> str:
+    """Return the name of a file whose bytes are the same in every locale: those of UTF-8.
+
+    Without this a name that the locale cannot write, as Ω under ``LC_ALL=C``, makes no file.
+    """
+    return name.encode("utf-8").decode(sys.getfilesystemencoding(), "surrogateescape")
 
 
 def sweep(folder: Path) -> None:

@@ -5,6 +5,7 @@ The tree::
     PhotizonError                       exit status 1
     ├── SceneError (also ValueError)    2   a scene, as read or as built in code, is not valid
     ├── ArgumentError (also ValueError) 2   a call's or command's argument is not valid
+    │   └── UnknownNameError (also KeyError)  a name that is looked up is not there
     ├── ResultError (also ValueError)   2   a result directory or file cannot be used
     ├── RecipeError (also ValueError)   2   a recipe's token is not one, or cannot be used here
     └── RunError (also RuntimeError)    1   a run was started and failed
@@ -109,6 +110,14 @@ class ArgumentError(PhotizonError, ValueError):
     """An argument of a call or a command is not valid."""
 
     exit_code: ClassVar[int] = 2
+
+
+class UnknownNameError(ArgumentError, KeyError):
+    """A name that is looked up is not there; says what is."""
+
+    def __str__(self) -> str:
+        """Give the message; a KeyError would quote it."""
+        return str(self.args[0]) if self.args else ""
 
 
 class ResultError(PhotizonError, ValueError):

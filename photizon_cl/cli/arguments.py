@@ -3,20 +3,32 @@
 from __future__ import annotations
 
 import argparse
-from typing import Final
+from typing import TYPE_CHECKING, Final
+
+from photizon_cl.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from photizon_cl.scene.model import Scene
 
 __all__ = [
     "DEVICE",
     "DIRECTORY",
     "JSON",
-    "SCENE",
+    "NO_FIGURES",
     "SEED",
     "add_goal",
+    "add_scene",
     "integer",
+    "load_scene",
     "number",
 ]
 
-SCENE: Final = "a preset's name, or a scene file (.toml or .json)"
+_SCENE: Final = "a preset's name, or a scene file (.toml or .json)"
+_SET: Final = (
+    "another value for a parameter of the scene, such as element.wall.surface.reflectance=0.9, "
+    "run.generation_cap=64 or source.lamp.position[2]=0.1; may be given again"
+)
+NO_FIGURES: Final = "draw no figures into DIR"
 DIRECTORY: Final = "the directory that `photizon run --out` wrote"
 DEVICE: Final = "number, type or part of a name, see `photizon devices`"
 SEED: Final = "random stream, 0 to 2^64 - 1"
@@ -37,6 +49,30 @@ def number(text: str) -> float:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"found {text!r}, expected a number") from None
+
+
+def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
+    """Declare a scene, and what is changed of it."""
+    parser.add_argument("scene", metavar="SCENE", nargs="?" if optional else None, help=_SCENE)
+    parser.add_argument("--set", action="append", metavar="PATH=VALUE", dest="changes", help=_SET)
+
+
+def load_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene that the arguments name, with the values that they set."""
+    from photizon_cl.scene.files import load
+    from photizon_cl.scene.parameter_paths import read_assignment
+
+    changes: dict[str, object] = {}
+    for text in arguments.changes or ():
+        try:
+            path, value = read_assignment(text)
+        except ArgumentError as error:
+            raise ArgumentError(f"--set: {error}") from None
+        if path in changes:
+            raise ArgumentError(f"--set {path}: found two values, expected one")
+        changes[path] = value
+    scene = load(arguments.scene)
+    return scene.replace(changes) if changes else scene
 
 
 def add_goal(parser: argparse.ArgumentParser, batches: str, more: str = "") -> None:

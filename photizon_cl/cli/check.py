@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.cli.arguments import SCENE
-from photizon_cl.errors import printable
+from photizon_cl.cli.arguments import add_scene, load_scene
 
 if TYPE_CHECKING:
     import argparse
@@ -18,14 +17,12 @@ __all__ = ["add_arguments", "call"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
-    parser.add_argument("scene", metavar="SCENE", help=SCENE)
+    add_scene(parser)
 
 
 def call(arguments: argparse.Namespace) -> int:
     """Check a scene; return the exit status."""
-    from photizon_cl.scene.files import load
-
-    _print(load(arguments.scene))
+    _print(load_scene(arguments))
     return 0
 
 
@@ -34,12 +31,12 @@ def _print(scene: Scene) -> None:
     from rich.text import Text
 
     from photizon_cl.checks.advisories import advisories
-    from photizon_cl.cli.tables import console, paragraph
+    from photizon_cl.cli.tables import console, heading, paragraph
     from photizon_cl.compile.compiled import compile_scene
 
     compiled = compile_scene(scene, scene.run)
     out = console()
-    out.print(Text.assemble((scene.name, "bold"), f"  {printable(scene.title)}"))
+    out.print(heading(scene.name, f"  {scene.title}"))
 
     def line(text: str, indent: str = "  ") -> None:
         out.print(paragraph(text, indent), soft_wrap=True)

@@ -29,7 +29,10 @@ _HEADING: Final = re.compile(r"^\w[\w ]*\n-{3,}\n", re.MULTILINE)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
     parser.add_argument(
-        "kind", metavar="KIND", nargs="?", help="describe this source, element, … or effect only"
+        "kind",
+        metavar="KIND",
+        nargs="?",
+        help="describe this source, element, … table or effect",
     )
 
 
@@ -51,6 +54,19 @@ def _groups() -> dict[str, Group]:
 
     groups: tuple[Group, ...] = (SOURCES, ELEMENTS, SURFACES, DETECTORS)
     return {next(iter(group.values())).label: group for group in groups}
+
+
+def _tables() -> Group:
+    """Return the tables of a scene file that have no kinds, by name."""
+    from photizon_cl.scene.described import Nested, NestedList, parameters_of
+    from photizon_cl.scene.model import Scene
+
+    inner = {
+        name: parameter.base
+        for name, parameter in parameters_of(Scene).items()
+        if isinstance(parameter, Nested) and not isinstance(parameter, NestedList)
+    }
+    return {"scene": Scene, **inner}
 
 
 def _effects() -> dict[str, tuple[str, str]]:
@@ -83,6 +99,12 @@ def _list(out: Console) -> None:
             if own:
                 out.print(_soft(paragraph(", ".join(own), "    ")), soft_wrap=True)
         out.print()
+    out.print(Text("tables", "bold"))
+    for name, cls in _tables().items():
+        out.print(paragraph(f"{name}: {_sentence(cls)}"), soft_wrap=True)
+        own = [_parameter(cls, parameter) for parameter in parameters_of(cls)]
+        out.print(_soft(paragraph(", ".join(own), "    ")), soft_wrap=True)
+    out.print()
     out.print(Text("effects, compiled in where a scene needs them", "bold"))
     for name, (what, _) in _effects().items():
         out.print(paragraph(f"{name}: {what}"), soft_wrap=True)
@@ -116,11 +138,13 @@ def _kept_together(text: str) -> str:
 
 def _default(cls: type[Described], name: str) -> str | None:
     """Return a parameter's default as a scene file has it; None where it is required."""
-    from photizon_cl.scene.described import default_of
+    from photizon_cl.scene.described import Described, default_of
 
     value = default_of(cls, name)
     if value is dataclasses.MISSING:
         return None
+    if isinstance(value, Described):
+        return "its defaults"
     return "none" if value is None else show(value)
 
 
@@ -143,7 +167,7 @@ def _describe(kind: str, out: Console) -> None:
     from photizon_cl.cli.tables import paragraph, print_table, table
     from photizon_cl.scene.described import parameters_of
 
-    groups, effects = _groups(), _effects()
+    groups, effects = {**_groups(), "table": _tables()}, _effects()
     label = next((label for label, group in groups.items() if kind in group), None)
     if label is None and kind not in effects:
         raise ArgumentError(_unknown(kind, groups, effects))

@@ -153,6 +153,25 @@ def _other_signals() -> Iterator[None]:
             signal.signal(number, signal.SIG_DFL)
 
 
+def _open_streams() -> None:
+    """Have what was closed (``>&-``) lead nowhere.
+
+    Else text for it has no place, or another one's, and the next file that is opened gets its
+    number, and with it whatever a library prints.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            opened = os.open(os.devnull, os.O_RDWR)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+        if getattr(sys, name) is None:
+            mode = "w" if number else "r"
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command.
 
@@ -166,6 +185,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit status.
     """
+    _open_streams()
     # A locale that cannot print σ or W/m² must not end a run.
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from rich.text import Text
 
-from photizon_cl.cli.tables import console, paragraph, print_table, table
+from photizon_cl.cli.tables import console, heading, paragraph, print_table, table
 from photizon_cl.errors import ResultError, printable, printable_lines
 from photizon_cl.result.tallies import only_counts, ranked
 from photizon_cl.result.text import lit_percent, with_error
@@ -33,13 +33,20 @@ _STOPPED: Final = {
 """What ends a run before its goal."""
 
 
-def give(result: Result, folder: str | None, *, as_json: bool, said: Collection[str] = ()) -> int:
+def give(
+    result: Result,
+    folder: str | None,
+    *,
+    figures: bool = True,
+    as_json: bool,
+    said: Collection[str] = (),
+) -> int:
     """Write and print a result, without what was said already; return the exit status."""
     # Files first: a reader that closes the pipe must not cost the result.
     failed: ResultError | None = None
     if folder is not None:
         try:
-            result.save(folder)
+            result.save(folder, figures=figures)
         except ResultError as error:
             failed = error  # the numbers are still worth printing
     if as_json:
@@ -62,7 +69,7 @@ def _told(failed: ResultError | None) -> int:
 
 def print_result(result: Result, out: Console, said: Collection[str] = ()) -> None:
     """Print ledger, detectors and advisories, these without what was said before."""
-    out.print(Text(result.scene.heading, "bold"))
+    out.print(heading(result.scene.heading))
     run = result.scene.run
     out.print(
         paragraph(

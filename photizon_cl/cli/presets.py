@@ -37,7 +37,7 @@ def _list() -> None:
     from photizon_cl.scene.presets import presets
 
     out = console()
-    for n, preset in enumerate(presets()):
+    for n, preset in enumerate(presets().values()):
         if n:
             out.print()
         out.print(Text.assemble((preset.name, "bold"), f"  {preset.title}"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from photizon_cl.cli.arguments import DEVICE, DIRECTORY, JSON, add_goal
+from photizon_cl.cli.arguments import DEVICE, DIRECTORY, JSON, NO_FIGURES, add_goal
 
 if TYPE_CHECKING:
     import argparse
@@ -17,6 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("directory", metavar="DIR", help=DIRECTORY)
     add_goal(parser, "run until there are N batches in all", "more ")
     parser.add_argument("--device", metavar="D", help=DEVICE)
+    parser.add_argument("--no-figures", action="store_true", help=NO_FIGURES)
     parser.add_argument("--json", action="store_true", help=JSON)
 
 
@@ -38,4 +39,6 @@ def call(arguments: argparse.Namespace) -> int:
             progress=display.update,
             checkpoint=arguments.directory,
         )
-    return give(result, arguments.directory, as_json=arguments.json)
+    return give(
+        result, arguments.directory, figures=not arguments.no_figures, as_json=arguments.json
+    )

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
-from photizon_cl.cli.arguments import DEVICE, JSON, SCENE, SEED, add_goal, integer
+from photizon_cl.cli.arguments import (
+    DEVICE,
+    JSON,
+    NO_FIGURES,
+    SEED,
+    add_goal,
+    add_scene,
+    integer,
+    load_scene,
+)
 from photizon_cl.errors import ArgumentError, show
 
 if TYPE_CHECKING:
@@ -17,10 +26,12 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "call"]
 
+_FLAGS: Final = {"scene": "SCENE", "changes": "--set"}
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
-    parser.add_argument("scene", metavar="SCENE", nargs="?", help=SCENE)
+    add_scene(parser, optional=True)
     parser.add_argument("--seed", type=integer, metavar="N", help=SEED)
     add_goal(parser, "run exactly N batches")
     parser.add_argument(
@@ -29,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--device", metavar="D", help=DEVICE)
     parser.add_argument("--precision", metavar="P", help="fp64")
     parser.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
+    parser.add_argument("--no-figures", action="store_true", help=NO_FIGURES)
     parser.add_argument("--json", action="store_true", help=JSON)
     parser.add_argument(
         "--recipe", metavar="TOKEN",
@@ -39,10 +51,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Trace a scene, or a recipe, as the arguments say; return the exit status."""
-    from photizon_cl.scene.files import load
-
     if arguments.out == "":
         raise ArgumentError("--out: found nothing, expected a directory")
+    if arguments.no_figures and arguments.out is None:
+        raise ArgumentError("--no-figures: found no --out, expected one: figures go there only")
     recipe = None
     if arguments.recipe is not None:
         recipe = _recipe(arguments)
@@ -50,7 +62,7 @@ def call(arguments: argparse.Namespace) -> int:
     elif arguments.scene is None:
         raise ArgumentError("SCENE: found nothing, expected a preset's name or a scene file")
     else:
-        scene = load(arguments.scene)  # a bad scene is told before anything heavy is imported
+        scene = load_scene(arguments)  # a bad scene is told before anything heavy is imported
 
     from photizon_cl.cli.outcome import give
     from photizon_cl.cli.progress import Display
@@ -79,7 +91,9 @@ def call(arguments: argparse.Namespace) -> int:
                 checkpoint=arguments.out,
             )
     differs = "" if recipe is None else recipe.differs(result)
-    status = give(result, arguments.out, as_json=arguments.json, said=said)
+    status = give(
+        result, arguments.out, figures=not arguments.no_figures, as_json=arguments.json, said=said
+    )
     if recipe is not None:
         verdict = "reproduced: every bit is the recipe's"
         print(f"not reproduced: {differs}" if differs else verdict, file=sys.stderr)
@@ -106,6 +120,7 @@ def _recipe(arguments: argparse.Namespace) -> Recipe:
 
     for name in (
         "scene",
+        "changes",
         "seed",
         "batches",
         "target",
@@ -114,7 +129,7 @@ def _recipe(arguments: argparse.Namespace) -> Recipe:
         "precision",
     ):
         if getattr(arguments, name) is not None:
-            flag = "SCENE" if name == "scene" else f"--{name.replace('_', '-')}"
+            flag = _FLAGS.get(name) or f"--{name.replace('_', '-')}"
             raise ArgumentError(
                 f"{flag}: found {show(getattr(arguments, name))}, expected nothing: the recipe "
                 "says what is run"

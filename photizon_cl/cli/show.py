@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.cli.arguments import DEVICE, SCENE, SEED, integer
+from photizon_cl.atomic import in_any_locale
+from photizon_cl.cli.arguments import DEVICE, SEED, add_scene, integer, load_scene
 from photizon_cl.errors import ArgumentError, show
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ _DPI: Final = 150
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
-    parser.add_argument("scene", metavar="SCENE", help=SCENE)
+    add_scene(parser)
     parser.add_argument("--rays", type=integer, default=50, metavar="N", help="rays, default 50")
     parser.add_argument("--seed", type=integer, metavar="N", help=SEED)
     parser.add_argument(
@@ -34,12 +35,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Draw a scene as the arguments say; return the exit status."""
-    from photizon_cl.scene.files import load
-
-    scene = load(arguments.scene)  # a bad scene is told before anything heavy is imported
+    scene = load_scene(arguments)  # a bad scene is told before anything heavy is imported
     out = arguments.out
     if out is None:
-        out = re.sub(r"[^\w+.-]+", "_", scene.name).strip(".") + ".png"
+        out = in_any_locale(re.sub(r"[^\w+.-]+", "_", scene.name).strip(".") + ".png")
     path = Path(out)
     if path.suffix.lower() not in FORMATS:
         raise ArgumentError(

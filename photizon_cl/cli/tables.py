@@ -9,19 +9,27 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from photizon_cl.errors import printable_lines
+
 __all__ = [
     "WIDTH",
     "console",
+    "heading",
     "paragraph",
     "print_table",
     "table",
 ]
 
 WIDTH: Final = 80
+_LEAST_WIDTH: Final = 40
 
 
 class _Console(Console):
     """A console that leaves a closed pipe to the command: rich would exit with status 1."""
+
+    def print(self, *objects: Any, **how: Any) -> None:
+        """Print, with what steers a terminal escaped in text that came from elsewhere."""
+        super().print(*(printable_lines(o) if isinstance(o, str) else o for o in objects), **how)
 
     def on_broken_pipe(self) -> None:
         """Hand the error on."""
@@ -31,8 +39,14 @@ class _Console(Console):
 def console(stderr: bool = False) -> Console:
     """Return a console of at most 80 columns; names in its output are never read as markup."""
     made = _Console(stderr=stderr, markup=False, emoji=False, highlight=False)
-    made.width = min(made.width, WIDTH)
+    # COLUMNS=0, as some terminals and job systems say, means unknown; below 40 nothing is legible
+    made.width = min(max(made.width or WIDTH, _LEAST_WIDTH), WIDTH)
     return made
+
+
+def heading(name: str, more: str = "") -> Text:
+    """Return a line that begins in bold."""
+    return Text.assemble((printable_lines(name), "bold"), printable_lines(more))
 
 
 def table(*columns: tuple[str, str], title: str = "") -> Table:

@@ -282,7 +282,7 @@ def geometry_table(
     return table.ravel()
 
 
-def _from_shift(position: Vec3, shift: Vec3) -> Vec3:
+def _from_shift(position: Sequence[float], shift: Vec3) -> Vec3:
     return (position[0] - shift[0], position[1] - shift[1], position[2] - shift[2])
 
 

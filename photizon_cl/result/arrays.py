@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
     from photizon_cl.result.tallies import EffectTally
 
-__all__ = ["dataset"]
+__all__ = ["dataset", "tree"]
 
 _RESERVED: Final = frozenset({"far_field", "ledger"})
+_MEAN: Final = "mean over batches"
 _HATCHING: Final = "bins with a count below 10 have an unreliable sigma and are shown hatched"
 
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]]
@@ -63,6 +64,23 @@ def dataset(result: Estimates) -> xr.Dataset:
     return xr.Dataset(variables, coordinates, attrs)
 
 
+def tree(result: Estimates) -> xr.DataTree:
+    """Return the arrays of `dataset` in groups, see `photizon_cl.Result.to_dataset`."""
+    import xarray as xr
+
+    flat = dataset(result)
+    prefixes = {_tally_prefix(effect): f"tallies/{effect}" for effect in result.tallies}
+    nodes: dict[str, tuple[Variables, Variables]] = {}
+    for name, array in flat.variables.items():
+        at, _, short = str(name).rpartition(".")
+        variables, coordinates = nodes.setdefault(prefixes.get(at, at), ({}, {}))
+        dims = tuple(str(dim).rpartition(".")[2] for dim in array.dims)
+        into = coordinates if name in flat.coords else variables
+        into[short] = (dims, array.values, dict(array.attrs))
+    groups = {at: xr.Dataset(*parts) for at, parts in nodes.items()}
+    return xr.DataTree.from_dict({"/": xr.Dataset(attrs=flat.attrs), **groups})
+
+
 def _sigma(estimate: Estimate) -> float:
     return float("nan") if estimate.sigma is None else estimate.sigma
 
@@ -74,11 +92,15 @@ def _ledger(result: Estimates, variables: Variables, coordinates: Variables) -> 
     names = np.array([name for name, _ in rows], dtype=object)
     coordinates["ledger.row"] = (dim, names, {"long_name": "where the power ended"})
     values = [row.value for _, row in rows]
-    variables["ledger.power"] = (dim, values, {"units": "W", "long_name": "mean over batches"})
+    variables["ledger.power"] = (
+        dim,
+        values,
+        {"units": "W", "long_name": "power", "comment": _MEAN},
+    )
     sigmas = [_sigma(row) for _, row in rows]
     variables["ledger.sigma"] = (dim, sigmas, {"units": "W", "long_name": "standard error"})
-    text = "emitted minus every other row"
-    variables["ledger.closure"] = ((), ledger.closure, {"units": "W", "long_name": text})
+    closure = {"units": "W", "long_name": "closure", "comment": "emitted minus every other row"}
+    variables["ledger.closure"] = ((), ledger.closure, closure)
 
 
 def _detector(
@@ -86,21 +108,25 @@ def _detector(
 ) -> None:
     about = {"element": name}
     power = detector.power
-    variables[f"{at}.power"] = ((), power.value, {**about, "units": "W"})
-    variables[f"{at}.power_sigma"] = ((), _sigma(power), {**about, "units": "W"})
-    variables[f"{at}.power_count"] = ((), power.count, {**about, "units": "1"})
+    watts = {**about, "units": "W", "long_name": "power", "comment": _MEAN}
+    error = {**about, "units": "W", "long_name": "standard error"}
+    count = {**about, "units": "1", "long_name": "arrivals"}
+    variables[f"{at}.power"] = ((), power.value, watts)
+    variables[f"{at}.power_sigma"] = ((), _sigma(power), error)
+    variables[f"{at}.power_count"] = ((), power.count, count)
     if detector.ladder is not None:
         dim = (f"{at}.generation",)
         text = "surface interactions before the arrival; the last entry collects all higher ones"
         rungs = detector.ladder
         generations = np.array([rung.generation for rung in rungs])
-        coordinates[dim[0]] = (dim, generations, {"units": "1", "long_name": text})
+        label = {"units": "1", "long_name": "generation", "comment": text}
+        coordinates[dim[0]] = (dim, generations, label)
         values = np.array([rung.value for rung in rungs])
-        variables[f"{at}.ladder"] = (dim, values, {**about, "units": "W"})
+        variables[f"{at}.ladder"] = (dim, values, watts)
         sigmas = np.array([_sigma_or_nan(rung.sigma) for rung in rungs])
-        variables[f"{at}.ladder_sigma"] = (dim, sigmas, {**about, "units": "W"})
+        variables[f"{at}.ladder_sigma"] = (dim, sigmas, error)
         counts = np.array([rung.count for rung in rungs])
-        variables[f"{at}.ladder_count"] = (dim, counts, {**about, "units": "1"})
+        variables[f"{at}.ladder_count"] = (dim, counts, count)
     if detector.map is not None:
         _map(at, about, detector.map, variables, coordinates)
 
@@ -110,10 +136,14 @@ def _sigma_or_nan(sigma: float | None) -> float:
 
 
 def _axis(
-    name: str, edges: Any, units: str, text: str, variables: Variables, coordinates: Variables
+    name: str,
+    edges: Any,
+    about: dict[str, str],
+    variables: Variables,
+    coordinates: Variables,
 ) -> str:
     """Add the centres of bins as a coordinate, and their edges; return the dimension."""
-    attrs = {"units": units, "long_name": text}
+    attrs = about
     coordinates[name] = ((name,), 0.5 * (edges[:-1] + edges[1:]), {**attrs, "bin": "centre"})
     # A variable, since a coordinate off its own dimension may have no space in its name.
     variables[f"{name}_edges"] = ((f"{name}_edge",), edges, {**attrs, "bin": "edges"})
@@ -124,33 +154,46 @@ def _map(
     at: str, about: dict[str, str], m: IrradianceMap, variables: Variables, coordinates: Variables
 ) -> None:
     y, x = (
-        _axis(f"{at}.{axis.name}", axis.edges, axis.units, axis.text, variables, coordinates)
+        _axis(
+            f"{at}.{axis.name}",
+            axis.edges,
+            {"units": axis.units, "long_name": axis.symbol, "comment": axis.text},
+            variables,
+            coordinates,
+        )
         for axis in (m.bins.y.axis, m.bins.x.axis)
     )
     dims = (y, x)
-    text = "irradiance, power over the exact area of the bin; NaN where it has none"
+    text = "power over the exact area of the bin; NaN where it has none"
     flux = {**about, "units": "W m-2"}
-    variables[f"{at}.irradiance"] = (dims, m.irradiance, {**flux, "long_name": text})
-    error = {**flux, "long_name": "standard error of the irradiance", "comment": _HATCHING}
+    irradiance = {**flux, "long_name": "irradiance", "comment": text}
+    variables[f"{at}.irradiance"] = (dims, m.irradiance, irradiance)
+    error = {**flux, "long_name": "standard error", "comment": f"of the irradiance; {_HATCHING}"}
     variables[f"{at}.sigma"] = (dims, m.sigma, error)
     count = {**about, "units": "1", "long_name": "arrivals"}
     variables[f"{at}.count"] = (dims, m.count, count)
-    area = {**about, "units": "m2", "long_name": "exact area of the bin on the element"}
+    area = {
+        **about,
+        "units": "m2",
+        "long_name": "area",
+        "comment": "exact, of the bin on the element",
+    }
     variables[f"{at}.area"] = (dims, m.area, area)
 
 
 def _far_field(far: FarFieldResult, variables: Variables, coordinates: Variables) -> None:
     text = "cosine of the angle from world +z"
-    mu = _axis("far_field.mu", far.mu_edges, "1", text, variables, coordinates)
-    text = "azimuth from world +x towards +y"
-    phi = _axis("far_field.phi", far.phi_edges, "rad", text, variables, coordinates)
+    about = {"units": "1", "long_name": "cos θ", "comment": text}
+    mu = _axis("far_field.mu", far.mu_edges, about, variables, coordinates)
+    about = {"units": "rad", "long_name": "φ", "comment": "azimuth from world +x towards +y"}
+    phi = _axis("far_field.phi", far.phi_edges, about, variables, coordinates)
     dims = (mu, phi)
     units = {"units": "W sr-1"}
     variables["far_field.intensity"] = (dims, far.intensity, {**units, "long_name": "intensity"})
-    error = {**units, "long_name": "standard error of the intensity", "comment": _HATCHING}
+    error = {**units, "long_name": "standard error", "comment": f"of the intensity; {_HATCHING}"}
     variables["far_field.sigma"] = (dims, far.sigma, error)
     variables["far_field.count"] = (dims, far.count, {"units": "1", "long_name": "rays"})
-    solid = {"units": "sr", "long_name": "solid angle of every bin"}
+    solid = {"units": "sr", "long_name": "solid angle", "comment": "of every bin"}
     variables["far_field.solid_angle"] = ((), far.solid_angle, solid)
 
 
@@ -162,10 +205,10 @@ def _tally(effect: str, cells: EffectTally, variables: Variables, coordinates: V
     labels = np.array(list(cells), dtype=object)
     coordinates[dim[0]] = (dim, labels, {**about, "long_name": "what each cell is"})
     rows = cells.values()
-    power = {**about, "units": cells.unit, "long_name": "mean over batches"}
+    power = {**about, "units": cells.unit, "long_name": effect, "comment": _MEAN}
     variables[f"{at}.power"] = (dim, np.array([row.value for row in rows]), power)
     error = {**about, "units": cells.unit, "long_name": "standard error"}
     variables[f"{at}.sigma"] = (dim, np.array([_sigma(row) for row in rows]), error)
-    count = {**about, "units": "1", "long_name": "counts of all batches"}
+    count = {**about, "units": "1", "long_name": "count", "comment": "of all batches"}
     counts = np.array([row.count for row in rows], np.int64)
     variables[f"{at}.count"] = (dim, counts, count)

@@ -20,6 +20,7 @@ from photizon_cl.result.ledger import Ledger
 from photizon_cl.result.maps import DetectorResult, FarFieldResult
 from photizon_cl.result.stopping import Goal, achieved_sigma
 from photizon_cl.result.tallies import EffectTally, effect_tallies
+from photizon_cl.scene.names import Table
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -132,10 +133,15 @@ class Estimates:
     def detectors(self) -> Mapping[str, DetectorResult]:
         """What each detector shows, by the name of its element."""
         elements = self.scene.element
-        return {
-            elements[d.element].name: DetectorResult.of(self.compiled, self.tally, d)
-            for d in self.compiled.layout.detectors
-        }
+        return Table(
+            "detectors",
+            (
+                (elements[d.element].name, DetectorResult.of(self.compiled, self.tally, d))
+                for d in self.compiled.layout.detectors
+            ),
+            frozenset(elements.names),
+            "that element has none; detector = {} in the scene gives it one",
+        )
 
     @cached_property
     def tallies(self) -> Mapping[str, EffectTally]:

@@ -26,7 +26,8 @@ from photizon_cl.result.arrays import dataset
 from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates
 from photizon_cl.result.soundness import check_shapes, check_tally, integer, read_info
 from photizon_cl.result.statistics import Accumulator, AccumulatorState
-from photizon_cl.scene.files import load, parse_toml, to_toml
+from photizon_cl.scene.files import load, parse_toml
+from photizon_cl.scene.writing import to_toml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -5,14 +5,17 @@ Balances are taken in exact integers, batch by batch, and turned into watts at t
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 from hostcode.run.tally import UNIT_EXPONENT, exact
 from photizon_cl.compile.layout import ROWS
 from photizon_cl.errors import RunError
 from photizon_cl.result.statistics import exact_sum
+from photizon_cl.result.text import with_error
+from photizon_cl.scene.names import Table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -33,9 +36,12 @@ _UNIT: Final = Fraction(1, 1 << -UNIT_EXPONENT)
 _DEFECT: Final = "this is a defect of the engine; please report it with the scene file"
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """A quantity with its standard error.
+class Estimate(float):
+    """A quantity with its standard error: a number, its value, that knows how sure it is.
+
+    ``f"{power:.3f}"``, ``float(power)``, sums and comparisons are those of the value and give plain
+    numbers: rows of a run are correlated, so that no standard error of a sum follows from theirs.
+    Two estimates are equal where value, standard error and count are.
 
     Parameters
     ----------
@@ -47,9 +53,30 @@ class Estimate:
         Arrivals, where they are counted.
     """
 
-    value: float
-    sigma: float | None
-    count: int | None = None
+    __slots__ = ("_count", "_sigma")
+    _sigma: float | None
+    _count: int | None
+
+    def __new__(cls, value: float, sigma: float | None, count: int | None = None) -> Self:
+        """Make an estimate."""
+        made = super().__new__(cls, value)
+        made._sigma, made._count = sigma, count
+        return made
+
+    @property
+    def value(self) -> float:
+        """Mean over batches."""
+        return float(self)
+
+    @property
+    def sigma(self) -> float | None:
+        """Standard error of the mean; None with a single batch."""
+        return self._sigma
+
+    @property
+    def count(self) -> int | None:
+        """Arrivals, where they are counted."""
+        return self._count
 
     def summary(self) -> dict[str, Any]:
         """Return the estimate as the summary holds it."""
@@ -57,6 +84,30 @@ class Estimate:
         if self.count is not None:
             out["count"] = self.count
         return out
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Estimate):
+            return self.__getnewargs__() == other.__getnewargs__()
+        return float.__eq__(self, other)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    __hash__ = float.__hash__
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        return float(self), self._sigma, self._count
+
+    def __str__(self) -> str:
+        value, sigma = with_error(self.value, self.sigma)
+        return f"{value} ± {sigma}"
+
+    def __repr__(self) -> str:
+        count = "" if self.count is None else f", count={self.count}"
+        return f"{type(self).__name__}(value={self.value!r}, sigma={self.sigma!r}{count})"
+
+    def __format__(self, how: str) -> str:
+        return format(self.value, how) if how else str(self)
 
 
 @dataclass(frozen=True)
@@ -78,7 +129,7 @@ class Roulette:
     balance: Estimate
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Ledger:
     """Where the power went.
 
@@ -112,6 +163,12 @@ class Ledger:
     worst_closure: float
     others: Mapping[str, Estimate] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return (
+            f"<Ledger of {self.emitted:.6g} W: {math.fsum(self.absorbed.values()):.6g} W absorbed "
+            f"by {len(self.absorbed)}, {self.escaped:.6g} W escaped, closure {self.closure:.1e} W>"
+        )
+
     @classmethod
     def of(cls, compiled: CompiledScene, tally: Accumulator, worst: int) -> Ledger:
         """Return the ledger of accumulated batches.
@@ -134,7 +191,8 @@ class Ledger:
             sigma = float(errors[error]) if known else None
             return Estimate(watts(compiled, total, tally.batches), sigma)
 
-        absorbed = {e.name: row(totals[n], n) for n, e in enumerate(compiled.scene.element)}
+        elements = enumerate(compiled.scene.element)
+        absorbed = Table("ledger.absorbed", ((e.name, row(totals[n], n)) for n, e in elements))
         balance = totals[layout.killed] - totals[layout.boosted]
         emitted = compiled.emitted * tally.batches
         n = layout.n_elements
@@ -151,11 +209,14 @@ class Ledger:
             depth_capped=row(totals[layout.depth_capped], layout.depth_capped),
             closure=watts(compiled, emitted - accounted, tally.batches),
             worst_closure=watts(compiled, worst, 1),
-            others={
-                item.title: row(item.sign * totals[cell], cell)
-                for cell, item in enumerate(layout.rows, n)
-                if item not in ROWS
-            },
+            others=Table(
+                "ledger.others",
+                (
+                    (item.title, row(item.sign * totals[cell], cell))
+                    for cell, item in enumerate(layout.rows, n)
+                    if item not in ROWS
+                ),
+            ),
         )
 
     def summary(self) -> dict[str, Any]:

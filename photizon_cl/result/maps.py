@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["DetectorResult", "FarFieldResult", "IrradianceMap", "Rung"]
 
 
-@dataclass(frozen=True)
-class Rung:
+class Rung(Estimate):
     """One entry of a power-per-generation ladder.
 
     Parameters
@@ -36,22 +35,37 @@ class Rung:
         Arrivals.
     """
 
-    generation: int
-    value: float
-    sigma: float | None
-    count: int
+    __slots__ = ("_generation",)
+    _generation: int
+
+    def __new__(cls, generation: int, value: float, sigma: float | None, count: int) -> Self:
+        """Make an entry."""
+        made = super().__new__(cls, value, sigma, count)
+        made._generation = generation
+        return made
+
+    @property
+    def generation(self) -> int:
+        """Surface interactions before the arrival."""
+        return self._generation
+
+    @property
+    def count(self) -> int:
+        """Arrivals."""
+        return self._count or 0
 
     def summary(self) -> dict[str, Any]:
         """Return the entry as the summary holds it."""
-        return {
-            "generation": self.generation,
-            "value": self.value,
-            "sigma": self.sigma,
-            "count": self.count,
-        }
+        return {"generation": self.generation, **super().summary()}
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        return self._generation, *super().__getnewargs__()
+
+    def __repr__(self) -> str:
+        return f"Rung(generation={self.generation}, {super().__repr__()[5:]}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class IrradianceMap:
     """An irradiance map. Rows ascend in v (or cos θ, or w), columns in u (or φ).
 
@@ -76,6 +90,12 @@ class IrradianceMap:
     count: NDArray[np.int64]
     area: NDArray[np.float64]
     bins: MapBins
+
+    def __repr__(self) -> str:
+        lit = self.irradiance[self.lit]
+        shown = f"{lit.min():.4g} … {lit.max():.4g} W/m² over " if lit.size else ""
+        ny, nx = self.count.shape
+        return f"<IrradianceMap {nx} × {ny}: {shown}{lit.size} lit bins>"
 
     @property
     def x_edges(self) -> NDArray[np.float64]:
@@ -154,7 +174,7 @@ class IrradianceMap:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class DetectorResult:
     """What a detector shows.
 
@@ -171,6 +191,14 @@ class DetectorResult:
     power: Estimate
     ladder: tuple[Rung, ...] | None
     map: IrradianceMap | None
+
+    def __repr__(self) -> str:
+        parts = [f"{self.power} W", f"{self.power.count} arrivals"]
+        if self.ladder is not None:
+            parts.append(f"{len(self.ladder)} generations")
+        if self.map is not None:
+            parts.append(f"map {self.map.count.shape[1]} × {self.map.count.shape[0]}")
+        return f"<DetectorResult {', '.join(parts)}>"
 
     def summary(self) -> dict[str, Any]:
         """Return what the summary says of the detector."""
@@ -207,7 +235,7 @@ class DetectorResult:
         return cls(power, ladder, IrradianceMap.of(compiled, tally, d) if d.nx else None)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FarFieldResult:
     """What escaped, by direction. Rows ascend in cos θ from −1, columns in φ from 0.
 
@@ -231,6 +259,12 @@ class FarFieldResult:
     solid_angle: float
     mu_edges: NDArray[np.float64]
     phi_edges: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        lit = self.intensity[~self.hatched]
+        shown = f"{lit.min():.4g} … {lit.max():.4g} W/sr over " if lit.size else ""
+        n_mu, n_phi = self.count.shape
+        return f"<FarFieldResult {n_mu} × {n_phi}: {shown}{lit.size} lit bins>"
 
     @property
     def hatched(self) -> NDArray[np.bool_]:

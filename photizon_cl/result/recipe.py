@@ -21,13 +21,13 @@ from photizon_cl.errors import RecipeError, RunError, SceneError, show
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.scene.files import load
 from photizon_cl.scene.limits import LARGEST_FILE, json_excess
+from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import preset_names
 from photizon_cl.scene.reader import read_scene
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
     from photizon_cl.result.estimates import Estimates
-    from photizon_cl.scene.model import Scene
 
 __all__ = ["RecipeText"]
 
@@ -226,7 +226,7 @@ def _scene(content: dict[str, Any]) -> Scene:
             )
         scene = load(tables)
     else:
-        scene = read_scene(tables)
+        scene = read_scene(Scene, tables)
     given = {name: content["run"][name] for name in _BITS}
     given[_ASKED] = content["run"].get(_ASKED)
     scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, **given))

@@ -7,9 +7,10 @@ own.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from photizon_cl.result.ledger import Estimate, watts
+from photizon_cl.scene.names import Table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["EffectTally", "effect_tallies", "only_counts", "ranked"]
 
 
-class EffectTally(dict[str, Estimate]):
+class EffectTally(Table[Estimate]):
     """Estimates by label, in the effect's order.
 
     Parameters
@@ -33,11 +34,14 @@ class EffectTally(dict[str, Estimate]):
     """
 
     def __init__(self, cells: Mapping[str, Estimate], unit: str) -> None:
-        super().__init__(cells)
+        super().__init__("tallies", cells)
         self.unit = unit
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self), self.unit)
 
-def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> dict[str, EffectTally]:
+
+def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> Table[EffectTally]:
     """Return the estimates of labelled cells, by effect, then by label in the effect's order.
 
     Parameters
@@ -47,7 +51,8 @@ def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> dict[str, Eff
     tally : Accumulator
         At least one batch.
     """
-    return {g.effect: _cells(compiled, tally, g) for g in compiled.layout.labelled}
+    labelled = compiled.layout.labelled
+    return Table("tallies", ((g.effect, _cells(compiled, tally, g)) for g in labelled))
 
 
 def _cells(compiled: CompiledScene, tally: Accumulator, group: CellGroup) -> EffectTally:

@@ -12,12 +12,12 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import TEMPORARY, reason, replacing
+from photizon_cl.atomic import TEMPORARY, in_any_locale, reason, replacing
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import ResultError, show
 from photizon_cl.result.file import read_file, read_scene, write_arrays
-from photizon_cl.scene.files import to_toml
 from photizon_cl.scene.model import same_stream
+from photizon_cl.scene.writing import to_toml
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -195,15 +195,16 @@ def save(
     """Write a result, see `photizon_cl.Result.save`."""
     from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, tally_csv
     from photizon_cl.result.recipe import RecipeText
-    from photizon_cl.views.figures import FORMATS, figure_names
 
     folder, old = _check_target(path, result)
     stale: set[str] = set()
     if old is not None:
         _check_longer(folder, old, result)
-        stale.update(figure_names(old, FORMATS))
+        stale = _figures_of(old, folder / "figures")
         del old  # two large results at a time are one too many
     if figures:
+        from photizon_cl.views.figures import figure_names
+
         figure_names(result, formats)  # an unknown format is told before anything is written
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -232,9 +233,18 @@ def save(
             (folder / REPORT).unlink()
         drawn = _draw(result, folder / "figures", formats) if figures else set()
         for name in stale - drawn:
-            (folder / "figures" / name).unlink(missing_ok=True)
+            (folder / "figures" / in_any_locale(name)).unlink(missing_ok=True)
     except OSError as error:
         raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from error
+
+
+def _figures_of(result: Estimates, folder: Path) -> set[str]:
+    """Return the names that the figures of a result have, where there may be some."""
+    if not folder.is_dir():
+        return set()
+    from photizon_cl.views.figures import FORMATS, figure_names  # matplotlib
+
+    return set(figure_names(result, FORMATS))
 
 
 def _is_report(page: Path) -> bool:
@@ -252,7 +262,7 @@ def _draw(result: Estimates, folder: Path, formats: str | Sequence[str]) -> set[
     folder.mkdir(exist_ok=True)
     names = set()
     for name, draw in draw_all(result, formats):
-        with replacing(folder / name) as temporary:
+        with replacing(folder / in_any_locale(name)) as temporary:
             draw(temporary)
         names.add(name)
     return names

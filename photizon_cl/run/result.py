@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     import pandas as pd
+    import xarray as xr
 
     from hostcode.device.device import DeviceRecord
     from hostcode.program.plan import ExecutionPlan
@@ -68,7 +69,7 @@ class Result(Estimates):
     def to_dataframe(self, detector: str | None = None) -> pd.DataFrame:
         """Return the ledger, or a detector's ladder, as a data frame of pandas.
 
-        Maps and the far field have two dimensions and are in ``result.nc``, which xarray reads.
+        Maps and the far field have two dimensions and are in `to_dataset`.
 
         Parameters
         ----------
@@ -92,6 +93,27 @@ class Result(Estimates):
         from photizon_cl.views.report.notebook import data_frame
 
         return data_frame(self, detector)
+
+    def to_dataset(self) -> xr.DataTree:
+        """Return every array, labelled, as groups of xarray.
+
+        ``ledger`` (``power``, ``sigma`` by ``row``), a group for each detector by the name of its
+        element (``power``, and where asked for ``ladder``, ``irradiance``, ``sigma``, ``count``,
+        ``area`` with the centres of the bins as coordinates and their edges), ``far_field``
+        (``intensity``, ``sigma``, ``count``) and ``tallies`` of effects. Attributes have the units;
+        what is an axis label is in ``long_name``, and what it means in ``comment``. A σ is NaN
+        with a single batch.
+
+        ``result.nc`` holds the same arrays at one level, named ``DETECTOR.irradiance`` and so on.
+
+        Returns
+        -------
+        xarray.DataTree
+            ``result.to_dataset()["target"]["irradiance"].plot()`` draws a map.
+        """
+        from photizon_cl.result.arrays import tree
+
+        return tree(self)
 
     # -- going on, keeping ---------------------------------------------------------------------
 

@@ -10,13 +10,36 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, TypeVar
 
 from photizon_cl.errors import Problem, SceneError, show
+from photizon_cl.scene.names import ByName
 from photizon_cl.scene.parameters import BAD, METADATA_KEY, Parameter
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+_In = TypeVar("_In", contravariant=True)
+_Out = TypeVar("_Out", covariant=True)
+
+
+class Accepts(Generic[_In, _Out]):
+    """What type checkers are told of a field that takes more than it keeps: a list for a tuple.
+
+    Only an annotation: ``map: Accepts[Sequence[int] | None, tuple[int, int] | None]``.
+    """
+
+    def __get__(self, owner: object, cls: type | None = None) -> _Out:
+        raise NotImplementedError
+
+    def __set__(self, owner: object, value: _In) -> None:
+        raise NotImplementedError
+
+
+ABSENT: Final[Any] = None
+"""The default of an optional field that `Accepts` annotates."""
+REQUIRED: Final[Any] = dataclasses.MISSING
+"""The default of a required one: none, but type checkers look at `Accepts` only beside one."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +75,8 @@ class Described:
     label: ClassVar[str] = ""
     sample: ClassVar[Mapping[str, Any]] = MappingProxyType({})
     """Values for an example, where those that suit each parameter do not suit each other."""
+    alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    """Parameters that say the same in another way: one that is given stands for the others."""
 
     def __post_init__(self) -> None:
         """Check every value and bring it to canonical form.
@@ -86,6 +111,26 @@ class Described:
     def cross_check(cls, known: Known) -> list[Problem]:
         """Return the problems between values, each with a path relative to this object."""
         return []
+
+    def to_table(self) -> dict[str, Any]:
+        """Return the object as a table of the file, kind after name, without what is absent."""
+        values: dict[str, Any] = {}
+        for key in parameters_of(type(self)):
+            value = getattr(self, key)
+            if value is None or (key == "tilt_deg" and value == (0.0, 0.0)):
+                continue
+            if isinstance(value, Described):
+                values[key] = value.to_table()
+            else:
+                values[key] = list(value) if isinstance(value, tuple) else value
+        default = {key for key in values if getattr(self, key) == default_of(type(self), key)}
+        for key in values.keys() - default:
+            for other in default.intersection(self.alternatives.get(key, ())):
+                del values[other]
+        if not self.kind or self.kind == self.label:
+            return values
+        head = {"name": values.pop("name")} if "name" in values else {}
+        return {**head, "kind": self.kind, **values}
 
 
 def _known(value: object) -> Any:
@@ -123,8 +168,14 @@ def default_of(cls: type[Described], item: str) -> Any:
     return entry.default
 
 
+_FIELDS: Final[dict[type, tuple[dataclasses.Field[Any], ...]]] = {}
+"""Of each class once: a scene may have thousands of objects of it."""
+
+
 def _fields(cls: type[Described]) -> tuple[dataclasses.Field[Any], ...]:
-    return dataclasses.fields(cls)  # type: ignore[arg-type]  # every subclass is a dataclass
+    if cls not in _FIELDS:
+        _FIELDS[cls] = dataclasses.fields(cls)  # type: ignore[arg-type]  # each is a dataclass
+    return _FIELDS[cls]
 
 
 class Nested(Parameter):
@@ -147,7 +198,7 @@ class Nested(Parameter):
 
 
 class NestedList(Nested):
-    """A sequence of description objects, kept as a tuple."""
+    """A sequence of description objects with names, kept as a `ByName`."""
 
     def __init__(self, base: type[Described], least: int, *, meaning: str = "") -> None:
         super().__init__(base, meaning=meaning)
@@ -161,4 +212,4 @@ class NestedList(Nested):
         if not isinstance(value, list | tuple) or len(value) < self.least:
             return self.refuse(value, path, problems)
         items = [Nested.read(self, item, f"{path}[{i}]", problems) for i, item in enumerate(value)]
-        return BAD if any(item is BAD for item in items) else tuple(items)
+        return BAD if any(item is BAD for item in items) else ByName(items)

@@ -1,4 +1,4 @@
-"""Scene files: TOML and JSON in, TOML and JSON out."""
+"""Scene files read, TOML and JSON."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from photizon_cl.scene.limits import LARGEST_FILE, MOST_CHARACTERS, json_excess,
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import preset_names, preset_path
 from photizon_cl.scene.reader import RepeatedKeys, read_scene
+from photizon_cl.scene.writing import SUFFIXES
 
-_SUFFIXES: Final = (".toml", ".json")
 _TOML_PLACE: Final = re.compile(r" ?\(at (line \d+, column \d+|end of document)\)$")
 
 
@@ -38,7 +38,7 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
     if isinstance(source, Scene):
         return source
     if isinstance(source, Mapping):
-        return read_scene(source)
+        return read_scene(Scene, source)
     if isinstance(source, str) and source in preset_names():
         return _load_file(preset_path(source))
     if not isinstance(source, str | os.PathLike):
@@ -46,28 +46,17 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
             [Problem("scene", show(source), "a preset's name, a path, a table or a Scene")]
         )
     path = Path(os.fsdecode(source))
-    if isinstance(source, str) and path.suffix.lower() not in _SUFFIXES and not _exists(path):
+    if isinstance(source, str) and path.suffix.lower() not in SUFFIXES and not _exists(path):
         asked = source.lower()[:MOST_CHARACTERS]
         near = difflib.get_close_matches(asked, preset_names(), 1)
+        beside = [path.name + end for end in SUFFIXES if _exists(Path(f"{path}{end}"))]
+        if beside:
+            near = [show(f"{source}{beside[0][len(path.name) :]}") + ", the file that is there"]
         hint = f"did you mean {near[0]}? " if near else ""
         hint += f"the presets are {', '.join(preset_names())}"
         found = f"{show(source)}, which is neither a preset nor a file"
         raise SceneError([Problem("scene", found, "a preset's name or a scene file", hint=hint)])
     return _load_file(path)
-
-
-def to_toml(scene: Scene) -> str:
-    """Return the scene as the text of a TOML file; `load` reads back an equal scene."""
-    import tomli_w
-
-    # Multi-line strings would turn carriage returns into line feeds.
-    multiline = "\r" not in scene.notes + scene.title
-    return tomli_w.dumps(scene.to_dict(), multiline_strings=multiline)
-
-
-def to_json(scene: Scene) -> str:
-    """Return the scene as the text of a JSON file; `load` reads back an equal scene."""
-    return json.dumps(scene.to_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _exists(path: Path) -> bool:
@@ -81,7 +70,7 @@ def _load_file(path: Path) -> Scene:
     file = str(path) if str(path).isprintable() else show(str(path))
     text = _read_text(path, file)
     tables = parse_toml(text, file) if path.suffix.lower() == ".toml" else parse_json(text, file)
-    return read_scene(tables, file)
+    return read_scene(Scene, tables, file)
 
 
 def _fail(
@@ -95,7 +84,7 @@ def _read_text(path: Path, file: str) -> str:
     try:
         if path.is_dir():
             raise _fail(file, "a directory", expected)
-        if path.suffix.lower() not in _SUFFIXES:
+        if path.suffix.lower() not in SUFFIXES:
             hint = "the ending says which of the two it is"
             raise _fail(
                 file, f"the ending {show(path.suffix)}", "a file that ends in .toml or .json", hint

@@ -8,26 +8,31 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, printable, show
-from photizon_cl.scene.described import Described, Known, Nested, NestedList, parameters_of
+from photizon_cl.scene.described import REQUIRED, Accepts, Described, Known, Nested, NestedList
 from photizon_cl.scene.elements import Element
+from photizon_cl.scene.parameter_paths import put_values
 from photizon_cl.scene.parameters import declare, free_text, unique_name
+from photizon_cl.scene.reader import SCHEMA, read_scene
 from photizon_cl.scene.settings import FarField, RunSettings
 from photizon_cl.scene.sources import Source
+from photizon_cl.scene.writing import save_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import os
+    from collections.abc import Mapping, Sequence
+
+    from photizon_cl.scene.names import ByName
 
 __all__ = ["SCHEMA", "FarField", "RunSettings", "Scene", "between_objects", "same_stream"]
-
-SCHEMA: Final = "photizon/1"
 
 _LABELS: Final = ("name", "title", "notes")
 _FLOOR: Final = 1e-9
 """The automatic roulette floor where rays split."""
 _WHEN_TO_STOP: Final = ("target_sigma", "max_seconds")
+_NO_ELEMENTS: Final[Any] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene(Described):
     """Sources, elements, and how to run them.
 
@@ -36,9 +41,11 @@ class Scene(Described):
     name : str
         Short name.
     source : sequence of Source
-        At least one; names unique; a share in all of them or in none.
+        At least one; names unique; a share in all of them or in none. Kept as a tuple whose items
+        are found by name as well: ``scene.source["lamp"]``.
     element : sequence of Element, optional
-        Names unique. Their order decides between faces of equal rank in one place.
+        Names unique; found by name as well. Their order decides between faces of equal rank in one
+        place.
     run : RunSettings, optional
         How the scene is run by default.
     far_field : FarField, optional
@@ -57,12 +64,21 @@ class Scene(Described):
     label: ClassVar[str] = ""
 
     name: str = field(metadata=unique_name("short name"))
-    source: tuple[Source, ...] = field(metadata=declare(NestedList(Source, 1)))
-    element: tuple[Element, ...] = field(default=(), metadata=declare(NestedList(Element, 0)))
-    run: RunSettings = field(
-        default_factory=RunSettings, metadata=declare(Nested(RunSettings, "the settings of a"))
+    source: Accepts[Sequence[Source], ByName[Source]] = field(
+        default=REQUIRED, metadata=declare(NestedList(Source, 1, meaning="where rays start"))
     )
-    far_field: FarField | None = field(default=None, metadata=declare(Nested(FarField)))
+    element: Accepts[Sequence[Element], ByName[Element]] = field(
+        default=_NO_ELEMENTS, metadata=declare(NestedList(Element, 0, meaning="what they can hit"))
+    )
+    run: RunSettings = field(
+        default_factory=RunSettings,
+        metadata=declare(
+            Nested(RunSettings, "the settings of a", meaning="how it is run by default")
+        ),
+    )
+    far_field: FarField | None = field(
+        default=None, metadata=declare(Nested(FarField, meaning="bins for what escapes"))
+    )
     title: str = field(default="", metadata=free_text("one line for people"))
     notes: str = field(default="", metadata=free_text("free text"))
 
@@ -76,6 +92,51 @@ class Scene(Described):
         """Title, or name without one, fit to be shown beside other text: see `printable`."""
         return printable(" ".join(self.title.split()) or self.name)
 
+    def __repr__(self) -> str:
+        n, m = len(self.source), len(self.element)
+        return (
+            f"<photizon_cl.Scene {self.name!r}: {n} source{'s' * (n != 1)}, "
+            f"{m} element{'s' * (m != 1)}>"
+        )
+
+    def replace(self, changes: Mapping[str, object]) -> Scene:
+        """Return the scene with other values; this one stays as it is.
+
+        Parameters
+        ----------
+        changes : mapping of str to object
+            Values by path: ``run.KEY``, ``far_field.KEY``, ``source.NAME.KEY``,
+            ``element.NAME.KEY``, ``element.NAME.surface.KEY``, with ``[i]`` for a component and
+            quotes around a name that has other characters than letters, digits, ``-`` and ``_``:
+            ``element."wall -x".surface.reflectance``. A value is what a scene file would hold
+            there, or an object such as ``pz.Mirror(0.9)``; None takes away what may be absent.
+
+        Raises
+        ------
+        ArgumentError
+            Where a path leads nowhere.
+        SceneError
+            With every problem of the scene that it would be.
+        """
+        tables = self.to_dict()
+        put_values(Scene, tables, changes)
+        return read_scene(Scene, tables)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the scene file, in one step; a file of that name is replaced.
+
+        Parameters
+        ----------
+        path : str or path
+            A ``.toml`` or ``.json`` file. `photizon_cl.load` reads back an equal scene.
+
+        Raises
+        ------
+        ArgumentError
+            Where the path ends otherwise or cannot be written.
+        """
+        save_scene(self, path)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as the file format's tables, which `photizon_cl.load` reads back.
 
@@ -86,12 +147,12 @@ class Scene(Described):
         for item in ("title", "notes"):
             if getattr(self, item):
                 out[item] = getattr(self, item)
-        out["run"] = _table(self.run)
+        out["run"] = self.run.to_table()
         if self.far_field is not None:
-            out["far_field"] = _table(self.far_field)
-        out["source"] = [_table(source) for source in self.source]
+            out["far_field"] = self.far_field.to_table()
+        out["source"] = [source.to_table() for source in self.source]
         if self.element:
-            out["element"] = [_table(element) for element in self.element]
+            out["element"] = [element.to_table() for element in self.element]
         return out
 
     def roulette_floor(self, run: RunSettings | None = None) -> float:
@@ -162,23 +223,6 @@ def _duplicates(label: str, objects: Sequence[Known | None]) -> list[Problem]:
         else:
             first[used] = i
     return problems
-
-
-def _table(item: Described) -> dict[str, Any]:
-    """Return an object as a table of the file, kind after name, without what is absent."""
-    values: dict[str, Any] = {}
-    for key in parameters_of(type(item)):
-        value = getattr(item, key)
-        if value is None or (key == "tilt_deg" and value == (0.0, 0.0)):
-            continue
-        if isinstance(value, Described):
-            values[key] = _table(value)
-        else:
-            values[key] = list(value) if isinstance(value, tuple) else value
-    if not item.kind or item.kind == item.label:
-        return values
-    head = {"name": values.pop("name")} if "name" in values else {}
-    return {**head, "kind": item.kind, **values}
 
 
 def _canonical(value: Any) -> Any:

@@ -78,6 +78,14 @@ def preset(name: str) -> Preset:
     return Preset(name, str(table["title"]), " ".join(anchor[len(_ANCHOR) :].split()))
 
 
-def presets() -> tuple[Preset, ...]:
-    """Return all presets."""
-    return tuple(preset(name) for name in _NAMES)
+def presets() -> dict[str, Preset]:
+    """Return the presets by name, each with its title and the known answer that it pins.
+
+    ``for name in pz.presets(): scene = pz.load(name)``.
+
+    Returns
+    -------
+    dict of str to Preset
+        In the order in which ``photizon presets`` lists them.
+    """
+    return {name: preset(name) for name in _NAMES}

@@ -19,17 +19,20 @@ from photizon_cl.scene.described import (
 )
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.limits import MOST_CHARACTERS
-from photizon_cl.scene.model import SCHEMA, Scene, between_objects
 from photizon_cl.scene.parameters import BAD
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 from photizon_cl.scene.sources import Source
 from photizon_cl.scene.surfaces import Surface
 
-_KINDS: Final[dict[type[Described], Mapping[str, type[Described]]]] = {
+KINDS: Final[dict[type[Described], Mapping[str, type[Described]]]] = {
     Element: ELEMENTS,
     Source: SOURCES,
     Surface: SURFACES,
 }
+"""Classes by the kind that a table names, for each base that has kinds."""
+
+SCHEMA: Final = "photizon/1"
+"""The version of the format."""
 
 _MISSING: Final = "nothing"
 _D = TypeVar("_D", bound=Described)
@@ -50,11 +53,13 @@ class RepeatedKeys(dict[str, Any]):
         self.repeated = [name for name in self if times[name] > 1]
 
 
-def read_scene(tables: object, file: str | None = None) -> Scene:
+def read_scene(cls: type[_D], tables: object, file: str | None = None) -> _D:
     """Build a scene from the tables of a file.
 
     Parameters
     ----------
+    cls : type
+        The class of the scene.
     tables : mapping
         As parsed from TOML or JSON, or written by hand.
     file : str, optional
@@ -66,7 +71,7 @@ def read_scene(tables: object, file: str | None = None) -> Scene:
         With every problem of the scene.
     """
     reader = _Reader()
-    scene = reader.scene(tables)
+    scene = reader.scene(cls, tables)
     if reader.problems or scene is None:
         raise SceneError(replace(problem, file=file) for problem in reader.problems)
     return scene
@@ -75,7 +80,7 @@ def read_scene(tables: object, file: str | None = None) -> Scene:
 def _title(cls: type[Described]) -> str:
     """Name a class as the subject of a sentence."""
     if cls.kind in ("", cls.label):
-        return f"every {cls.label}" if cls in _KINDS else f"the {cls.label} table"
+        return f"every {cls.label}" if cls in KINDS else f"the {cls.label} table"
     return f"the {cls.label} {cls.kind}"
 
 
@@ -101,7 +106,7 @@ class _Reader:
         """Whether so much is wrong that what follows is not looked at."""
         return len(self.problems) > MOST_PROBLEMS
 
-    def scene(self, tables: object) -> Scene | None:
+    def scene(self, cls: type[_D], tables: object) -> _D | None:
         if not isinstance(tables, Mapping):
             self.complain("", show(tables), "a table with schema, name and source")
             return None
@@ -109,11 +114,11 @@ class _Reader:
         self.schema(tables)
         values: dict[str, Any] = {}
         built: dict[str, Any] = {}
-        accepted = ("schema", *parameters_of(Scene))
+        accepted = ("schema", *parameters_of(cls))
         absent = self.unknown(tables, "", accepted, "a scene file")
-        for item, parameter in parameters_of(Scene).items():
+        for item, parameter in parameters_of(cls).items():
             if item not in tables:
-                if is_required(Scene, item) and item not in absent:
+                if is_required(cls, item) and item not in absent:
                     what = (
                         "at least one [[source]] table" if item == "source" else parameter.expected
                     )
@@ -126,8 +131,8 @@ class _Reader:
                 built[item], values[item] = self.table(parameter.base, found, item)
             else:
                 built[item] = values[item] = parameter.read(found, item, self.problems)
-        self.problems += between_objects(values.get("source") or (), values.get("element") or ())
-        return None if self.problems else Scene(**built)
+        self.problems += cls.cross_check(Known(cls, values))
+        return None if self.problems else cls(**built)
 
     def schema(self, tables: Mapping[str, Any]) -> None:
         found = tables.get("schema")
@@ -163,7 +168,7 @@ class _Reader:
         if not isinstance(found, Mapping):
             hint = (
                 f"write {{ kind = {show(found)} }}"
-                if isinstance(found, str) and found in _KINDS.get(base, ())
+                if isinstance(found, str) and found in KINDS.get(base, ())
                 else ""
             )
             self.complain(path, show(found), f"a table for the {base.label}", hint)
@@ -171,7 +176,7 @@ class _Reader:
         self.repeats(found, path)
         before = len(self.problems)
         cls: type[Described] | None = base
-        if base in _KINDS:
+        if base in KINDS:
             cls = self.kind(base, found, path)
         # Without a kind, the keys that all kinds share are still read; others cannot be judged.
         built, values = self.fields(cls or base, found, path, judge_unknown=cls is not None)
@@ -188,16 +193,15 @@ class _Reader:
     def kind(
         self, base: type[Described], found: Mapping[str, Any], path: str
     ) -> type[Described] | None:
-        kinds = _KINDS[base]
+        kinds, kind = KINDS[base], found.get("kind")
+        if isinstance(kind, str) and kind in kinds:
+            return kinds[kind]
         options = "one of " + " ".join(show(kind) for kind in kinds)
         where = join(path, "kind")
         if "kind" not in found:
             close = self.meant("kind", found, ())
             self.complain(where, _MISSING, options, f"the key kind is required{close}")
             return None
-        kind = found["kind"]
-        if isinstance(kind, str) and kind in kinds:
-            return kinds[kind]
         hint = ""
         if isinstance(kind, str):
             near = _similar(kind, kinds)
@@ -209,7 +213,7 @@ class _Reader:
         self, cls: type[Described], found: Mapping[str, Any], path: str, *, judge_unknown: bool
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Read the declared parameters; return the values to build with, and what is known."""
-        kinded = any(issubclass(cls, base) for base in _KINDS)
+        kinded = any(issubclass(cls, base) for base in KINDS)
         accepted = (("kind",) if kinded else ()) + tuple(parameters_of(cls))
         title = _title(cls)
         absent = self.unknown(found, path, accepted, title) if judge_unknown else set()

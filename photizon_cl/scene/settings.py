@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar, Final, Literal
+from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
-from photizon_cl.scene.described import Described
+from photizon_cl.scene.described import ABSENT, Accepts, Described
 from photizon_cl.scene.parameters import fraction_or, integer, number, words
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 MAX_SEED: Final = 2**64 - 1
 MAX_RAYS_PER_BATCH: Final = 2**24
@@ -67,8 +70,8 @@ class RunSettings(Described):
             "auto", "relative weight below which roulette is played", "0 switches it off"
         ),
     )
-    effects: tuple[str, ...] | None = field(
-        default=None, metadata=words("effects compiled in although nothing else calls for them")
+    effects: Accepts[Sequence[str] | None, tuple[str, ...] | None] = field(
+        default=ABSENT, metadata=words("effects compiled in although nothing else calls for them")
     )
 
 

@@ -301,7 +301,7 @@ def _sizes(element: Element) -> tuple[Any, ...]:
         case Disk():
             return (element.radius, element.inner_radius)
         case Sphere():
-            return (element.radius, element.port_fraction)
+            return (element.radius, element.port)
         case Cpc():
             return (element.exit_radius, element.acceptance_deg)
         case BaffledTube():

@@ -223,7 +223,7 @@ def test_names_are_never_markup(run, tmp_path):
         assert "[red]title[red] :smile:" in out
 
 
-@pytest.mark.parametrize("preset", [p.name for p in presets()])
+@pytest.mark.parametrize("preset", [p.name for p in presets().values()])
 def test_check_prints_what_follows(preset, run):
     status, out, err = run("check", preset)
     assert (status, err) == (0, "")
@@ -238,7 +238,7 @@ def test_presets_are_listed_with_their_anchors(run):
     status, out, _ = run("presets")
     assert status == 0
     text = " ".join(out.split())
-    for preset in presets():
+    for preset in presets().values():
         assert preset.name in out
         assert preset.anchor in text
 
@@ -281,7 +281,7 @@ def test_no_device_at_all_is_a_failed_run_with_the_remedy(tmp_path):
 # -- what there is ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("preset", [p.name for p in presets()])
+@pytest.mark.parametrize("preset", [p.name for p in presets().values()])
 def test_a_preset_is_printed_byte_for_byte(preset):
     done = subprocess.run(
         [sys.executable, "-m", "photizon_cl.cli.main", "presets", preset],

@@ -14,7 +14,7 @@ NEW = (
 
 def test_there_are_ten_each_with_an_anchor():
     assert len(preset_names()) == len(presets()) == 10
-    assert all(any(c.isdigit() for c in entry.anchor) for entry in presets())
+    assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 
 @pytest.mark.parametrize("name", NEW)

@@ -84,7 +84,7 @@ def test_sphere():
     assert s.packed(s.position, None)["radius"] == 0.1
     assert s.area == pytest.approx(4 * math.pi * 0.01 * 0.95, rel=1e-15)
     assert s.area + s.port_area == pytest.approx(4 * math.pi * 0.01, rel=1e-15)
-    assert s.port_radius == pytest.approx(0.1 * math.sin(math.acos(0.9)), rel=1e-14)
+    assert s.rim_radius == pytest.approx(0.1 * math.sin(math.acos(0.9)), rel=1e-14)
     assert s.multiplier == pytest.approx(1 / 0.145, rel=1e-14)
     assert s.derived()["port angle"] == (pytest.approx(25.84193276), "deg")
     whole = pz.Sphere(**COMMON, axis="+z", radius=1, surface=BLACK, detector=pz.Detector())
@@ -135,7 +135,7 @@ def test_sources():
 def test_presets_are_listed_and_valid():
     folder = preset_path("box-room").parent
     assert {path.stem for path in folder.glob("*.toml")} == set(preset_names())
-    for entry in presets():
+    for entry in presets().values():
         scene = load(entry.name)
         assert scene.name == entry.name
         assert scene.title == entry.title

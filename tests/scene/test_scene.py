@@ -14,8 +14,9 @@ from malformed import GOOD, edited
 
 import photizon_cl as pz
 from photizon_cl.errors import ArgumentError, PhotizonError, ResultError, RunError, SceneError
-from photizon_cl.scene.files import load, to_json, to_toml
+from photizon_cl.scene.files import load
 from photizon_cl.scene.presets import preset_names
+from photizon_cl.scene.writing import to_json, to_toml
 
 MINIMAL = {
     "schema": "photizon/1",

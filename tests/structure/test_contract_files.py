@@ -8,7 +8,8 @@ import tomllib
 from contract import GROUPS, every_kind, everything, of_kind, shown
 from photizon_docs.emit import as_toml
 
-from photizon_cl.scene.files import load, to_json, to_toml
+from photizon_cl.scene.files import load
+from photizon_cl.scene.writing import to_json, to_toml
 
 WRITERS = ((to_toml, "full.toml"), (as_toml, "short.toml"), (to_json, "full.json"))
 

@@ -50,6 +50,7 @@ ACROSS = {
 def table():
     allowed = {"photizon_cl.errors": set(), "photizon_cl.atomic": set()}
     allowed["photizon_cl"] = {f"photizon_cl.{name}" for name in (*BASE.split(), *PRODUCT)}
+    allowed["photizon_cl.__main__"] = {"photizon_cl.cli"}
     for name, others in PRODUCT.items():
         allowed[f"photizon_cl.{name}"] = {
             *(f"photizon_cl.{other}" for other in (*BASE.split(), *others.split())),

@@ -21,6 +21,8 @@ _BESIDES = (
     ("photizon_cl.run.progress", "Progress"),
     ("photizon_cl.run.probing", "ProbeResult"),
     ("photizon_cl.result.paths", "Polyline"),
+    ("photizon_cl.scene.names", "ByName"),
+    ("photizon_cl.scene.presets", "Preset"),
     ("photizon_cl.errors", "Problem"),
 )
 """Classes that are not public by name but are what public calls give."""
@@ -55,7 +57,8 @@ def python_api() -> str:
     for name, module in modules:
         parts += [f"## pz.{name}\n", f"{inspect.getdoc(module).splitlines()[0]}\n"]
         parts += [f"```{{eval-rst}}\n.. py:module:: photizon_cl.{name}\n```\n"]
-        called = [n for n in module.__all__ if inspect.isfunction(getattr(module, n))]
+        functions = ((n, getattr(module, n)) for n in module.__all__)
+        called = [n for n, f in functions if inspect.isfunction(f) and f.__name__ == n]
         parts += [_function(f"{name}.{n}") for n in called]
     parts += ["## What goes in\n", _SEE]
     parts += [_class("photizon_cl", name) for name in scene]

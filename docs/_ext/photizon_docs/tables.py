@@ -123,7 +123,7 @@ def _effects() -> str:
 
 
 def _presets() -> str:
-    rows = [(f"[`{p.name}`](/presets.md#{p.name})", p.title) for p in presets()]
+    rows = [(f"[`{p.name}`](/presets.md#{p.name})", p.title) for p in presets().values()]
     return table(("preset", "what it is"), rows)
 
 
@@ -131,7 +131,9 @@ def _anchors() -> str:
     def plain(text: str) -> str:
         return re.sub(r"([\\`*_<>\[\]|#])", r"\\\1", text)
 
-    return "\n".join(f"## {p.name}\n\n{plain(p.title)}.\n\n{plain(p.anchor)}\n" for p in presets())
+    return "\n".join(
+        f"## {p.name}\n\n{plain(p.title)}.\n\n{plain(p.anchor)}\n" for p in presets().values()
+    )
 
 
 FRAGMENTS: dict[str, Callable[[], Any]] = {

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from photizon_cl.scene.described import Described
+from photizon_cl.scene.described import ABSENT, Accepts, Described
 from photizon_cl.scene.filters.generation import Generation
 from photizon_cl.scene.parameters import choice, integer, integers
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from photizon_cl.scene.elements.base import Element
     from photizon_cl.scene.filters.base import Filter
 
@@ -44,8 +46,8 @@ class Detector(Described):
     kind: ClassVar[str] = "detector"
     kernel: ClassVar[str] = "detector"
 
-    map: tuple[int, int] | None = field(
-        default=None, metadata=integers(1, MAX_BINS, "[nx, ny]", "bins of the irradiance map")
+    map: Accepts[Sequence[int] | None, tuple[int, int] | None] = field(
+        default=ABSENT, metadata=integers(1, MAX_BINS, "[nx, ny]", "bins of the irradiance map")
     )
     generations: int | None = field(
         default=None, metadata=integer(1, MAX_GENERATIONS, "entries of the generation ladder")

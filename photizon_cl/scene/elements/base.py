@@ -79,9 +79,9 @@ class Element(Described):
     """Side that a detector counts when it names none."""
 
     name: str = field(metadata=unique_name("unique among the elements"))
-    position: Vec3 = field(metadata=point("where the element sits"))
+    position: Sequence[float] = field(metadata=point("where the element sits"))
     axis: str = field(metadata=signed_axis("direction of the local w axis"))
-    tilt_deg: tuple[float, float] = field(default=(0.0, 0.0), metadata=tilt())
+    tilt_deg: Sequence[float] = field(default=(0.0, 0.0), metadata=tilt())
     surface: Surface = field(
         metadata=declare(Nested(Surface, meaning="what a ray that hits it does"))
     )
@@ -270,16 +270,16 @@ class Element(Described):
             for x, low, high in zip(local, *self.local_box, strict=True)
         ) and any(face.touches(local, slack, reach) for face in self.faces)
 
-    def local(self, point: Vec3) -> Vec3:
+    def local(self, point: Sequence[float]) -> Vec3:
         """Return a world point in local coordinates."""
         x, y, z = (a - b for a, b in zip(point, self.position, strict=True))
         return to_local(self.frame, (x, y, z))
 
-    def rounding(self, point: Vec3) -> float:
+    def rounding(self, point: Sequence[float]) -> float:
         """Return the distance in metres that rounding may make of none for a world point."""
         local = map(abs, self.local(point))
         return _ROUNDING * max(*map(abs, point), *map(abs, self.position), *local)
 
-    def holds(self, point: Vec3) -> bool:
+    def holds(self, point: Sequence[float]) -> bool:
         """Say whether a world point lies on the surface within rounding."""
         return self.touches(self.local(point), self.rounding(point))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
@@ -18,7 +19,7 @@ from photizon_cl.scene.parameters import number, positive_length
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.faces import Face
@@ -27,6 +28,15 @@ if TYPE_CHECKING:
 SMALLEST_PORT = 1e-16  # below about half of this, 1 − 2f rounds to 1
 _ROUNDOFF = 2.0**-53
 PORT_RANGE = "0, or a number from 1e-16 up to but not including 1"
+
+
+def _fraction(rim: float, radius: float) -> float:
+    """Return the part of a sphere's area inside a circle on it; NaN where it does not fit."""
+    part = rim / radius
+    if not part < 1.0:
+        return math.nan
+    # (1 − sqrt(1 − part²))/2 without its cancellation
+    return 0.5 * part * part / (1.0 + math.sqrt((1.0 - part) * (1.0 + part)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +54,9 @@ class Sphere(Element):
         R in metres.
     port_fraction : float, optional
         f, 0 for a whole sphere. A sphere with a port is a wall and refuses surfaces that refract.
+    port_radius : float, optional
+        Instead of f, the radius of the port's rim r < R in metres: f = (1 − sqrt(1 − r²/R²))/2,
+        less than half of the sphere. `port` is f, whichever is given.
     """
 
     kind: ClassVar[str] = "sphere"
@@ -63,6 +76,9 @@ class Sphere(Element):
     alone: ClassVar[bool] = True
     has_map: ClassVar[bool] = True
     default_side: ClassVar[str] = "inside"
+    alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {"port_fraction": ("port_radius",), "port_radius": ("port_fraction",)}
+    )
 
     radius: float = field(metadata=positive_length("radius"))
     port_fraction: float = field(
@@ -70,6 +86,10 @@ class Sphere(Element):
         metadata=number(
             PORT_RANGE, 0.0, 1.0, "part of the sphere's area that is open", open_high=True
         ),
+    )
+    port_radius: float | None = field(
+        default=None,
+        metadata=positive_length("radius of the port's rim, instead of port_fraction"),
     )
 
     @classmethod
@@ -80,12 +100,26 @@ class Sphere(Element):
         if f and f < SMALLEST_PORT:
             hint = "cos θ_port = 1 − 2f would round to 1, a sphere without a port"
             problems.append(Problem("port_fraction", show(f), PORT_RANGE, hint=hint))
+        rim, radius = known.get("port_radius"), known.get("radius")
+        if rim is None:
+            return problems
+        if f:
+            expected = "nothing beside port_fraction"
+            hint = f"port_fraction = {show(f)} says how large the port is; give one of the two"
+            problems.append(Problem("port_radius", show(rim), expected, hint=hint))
+        elif radius is not None and not _fraction(rim, radius) >= SMALLEST_PORT:
+            hint = "cos θ_port would round to 1, a sphere without a port"
+            if rim >= radius:
+                hint = "a port of half the sphere or more takes port_fraction, 0.5 or more"
+            expected = f"a length below the radius of {show(radius)} m, and not below 2e-8 of it"
+            problems.append(Problem("port_radius", show(rim), expected, hint=hint))
         return problems
 
     @classmethod
     def wall_reason(cls, known: Known) -> str:
         """Say why the surface of a sphere with a port cannot refract."""
-        if (known.get("port_fraction") or 0.0) < SMALLEST_PORT:
+        ported = (known.get("port_fraction") or 0.0) >= SMALLEST_PORT
+        if not ported and known.get("port_radius") is None:
             return ""
         return (
             "a sphere with a port is a wall, not a solid with glass inside; "
@@ -93,9 +127,16 @@ class Sphere(Element):
         )
 
     @property
+    def port(self) -> float:
+        """Part of the sphere's area that is open, f, whether it was given or its rim was."""
+        if self.port_radius is None:
+            return self.port_fraction
+        return _fraction(self.port_radius, self.radius)
+
+    @property
     def opening(self) -> bool:
         """Whether it has a port."""
-        return self.port_fraction > 0.0
+        return self.port > 0.0
 
     @property
     def reach(self) -> float:
@@ -111,7 +152,7 @@ class Sphere(Element):
     @property
     def self_view_factor(self) -> float:
         """Part of what any place of the wall sends inwards diffusely that meets it again, 1 − f."""
-        return 1.0 - self.port_fraction
+        return 1.0 - self.port
 
     @property
     def local_box(self) -> tuple[Vec3, Vec3]:
@@ -139,28 +180,30 @@ class Sphere(Element):
         return MapBins(
             x=Azimuth(nx),
             y=polar_cosine(self.radius, ny),
-            area_of=partial(zone_areas, self.radius, self.port_fraction, nx, ny),
+            area_of=partial(zone_areas, self.radius, self.port, nx, ny),
         )
 
     @property
     def cos_port(self) -> float:
         """Cosine of the port's polar angle, 1 − 2f; 1 for a whole sphere."""
-        return 1.0 - 2.0 * self.port_fraction
+        return 1.0 - 2.0 * self.port
 
     @property
     def area(self) -> float:
         """Area of the wall in m², 4πR²(1 − f)."""
-        return 4.0 * math.pi * self.radius * self.radius * (1.0 - self.port_fraction)
+        return 4.0 * math.pi * self.radius * self.radius * (1.0 - self.port)
 
     @property
     def port_area(self) -> float:
         """Area of the cap that the port removes in m², 4πR²f."""
-        return 4.0 * math.pi * self.radius * self.radius * self.port_fraction
+        return 4.0 * math.pi * self.radius * self.radius * self.port
 
     @property
-    def port_radius(self) -> float:
-        """Radius of the port's rim in metres, 2R·sqrt(f(1 − f))."""
-        return 2.0 * self.radius * math.sqrt(self.port_fraction * (1.0 - self.port_fraction))
+    def rim_radius(self) -> float:
+        """Radius of the port's rim in metres, 2R·sqrt(f(1 − f)); 0 for a whole sphere."""
+        if self.port_radius is not None:
+            return self.port_radius
+        return 2.0 * self.radius * math.sqrt(self.port * (1.0 - self.port))
 
     @property
     def multiplier(self) -> float | None:
@@ -177,10 +220,10 @@ class Sphere(Element):
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return the areas, the port and, for a diffuse wall, the sphere multiplier."""
         out = {"wall area": (self.area, "m²")}
-        if self.port_fraction > 0.0:
+        if self.port > 0.0:
             out["cos θ_port"] = (self.cos_port, "")
             out["port angle"] = (math.degrees(math.acos(self.cos_port)), "deg")
-            out["port radius"] = (self.port_radius, "m")
+            out["port radius"] = (self.rim_radius, "m")
             out["port area"] = (self.port_area, "m²")
         if self.multiplier is not None:
             out["sphere multiplier"] = (self.multiplier, "")

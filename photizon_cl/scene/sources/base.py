@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from photizon_cl.scene.described import Described
-from photizon_cl.scene.frames import Frame, Vec3, frame
+from photizon_cl.scene.frames import Frame, frame
 from photizon_cl.scene.parameters import (
     point,
     positive_number,
@@ -22,6 +22,8 @@ from photizon_cl.scene.parameters import (
 from photizon_cl.scene.rows import NO_ROW, Row
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from photizon_cl.scene.faces import Ball, Plane
@@ -62,7 +64,7 @@ class Source(Described):
 
     name: str = field(metadata=unique_name("unique among the sources"))
     flux: float = field(metadata=positive_power("radiant flux launched"))
-    position: Vec3 = field(metadata=point("centre of the source"))
+    position: Sequence[float] = field(metadata=point("centre of the source"))
     share: float | None = field(default=None, metadata=positive_number("part of the rays"))
 
     @property
@@ -116,7 +118,7 @@ class DirectedSource(Source):
     directed: ClassVar[bool] = True
 
     axis: str = field(metadata=signed_axis("direction of emission"))
-    tilt_deg: tuple[float, float] = field(default=(0.0, 0.0), metadata=tilt())
+    tilt_deg: Sequence[float] = field(default=(0.0, 0.0), metadata=tilt())
 
     @property
     def frame(self) -> Frame:

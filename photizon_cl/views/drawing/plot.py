@@ -15,7 +15,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, PowerNorm
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Line3DCollection,
@@ -23,19 +22,24 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 
 from photizon_cl.geometry.outlines import cut, edges, facets
+from photizon_cl.result.paths import Paths
 from photizon_cl.views.drawing.view import (
     FAINTEST,
     Box,
     ShownRays,
     bounding_box,
+    no_rays,
     shown_rays,
 )
+from photizon_cl.views.shown import ShownFigure
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from photizon_cl.result.paths import Paths
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
 
@@ -54,25 +58,25 @@ _LONG: Final = 4.5
 _NAMES: Final = "xyz"
 
 
-def draw_scene(found: Paths, by: str = "generation") -> Figure:
+def draw_scene(found: Paths | Scene, by: str = "generation") -> Figure:
     """Draw a scene with paths through it.
 
     Parameters
     ----------
-    found : Paths
-        What `photizon_cl.paths` returned.
+    found : Paths or Scene
+        What `photizon_cl.paths` returned; a scene is drawn without rays.
     by : str
         What colours the rays: ``"generation"`` or ``"weight"``.
     """
-    scene = found.scene
+    scene = found.scene if isinstance(found, Paths) else found
     box = bounding_box(scene)
-    rays = shown_rays(found, box)
+    rays = shown_rays(found, box) if isinstance(found, Paths) else no_rays()
     colours, bar, label = ray_colours(rays, by)
     # A long scene lies on its side, as on an optical bench.
     lying = bool(box.extent[2] > 1.3 * max(box.extent[0], box.extent[1]))
     ratio = max(box.extent[0], box.extent[1]) / box.extent[2] if lying else 1.0
     height = float(np.clip(2.6 + 11.0 * ratio, 7.4, 9.6))
-    figure = Figure(figsize=(11.0, height), layout="constrained", facecolor="white")
+    figure = ShownFigure(figsize=(11.0, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     views = [(2, 0), (2, 1), (0, 1)] if lying else [(0, 2), (1, 2), (0, 1)]
     places = [(0, 0), (1, 0), (0, 1)]
@@ -102,9 +106,12 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
         columnspacing=1.6,
     )  # fmt: skip
     legend.set_in_layout(False)
-    notes = [f"{scene.run.rays_per_batch} rays, seed {scene.run.seed}, projected on each panel"]
-    notes += _cut_short(found)
-    if not label:
+    notes = ["no rays drawn"]
+    if isinstance(found, Paths):
+        run = scene.run
+        notes = [f"{run.rays_per_batch} rays, seed {run.seed}, projected on each panel"]
+        notes += _cut_short(found)
+    if not label and isinstance(found, Paths):
         notes.append("no ray meets more than one surface")
     if rays.faint:
         notes.append(f"{rays.faint} segments of weight below {FAINTEST:g} are not drawn")
@@ -242,7 +249,7 @@ def _draw_source(axes: Axes, box: Box, source: Any, h: int, v: int) -> None:
 def _arrow(
     axes: Axes,
     box: Box,
-    position: tuple[float, float, float],
+    position: Sequence[float],
     direction: tuple[float, float, float],
     h: int,
     v: int,

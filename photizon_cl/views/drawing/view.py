@@ -20,6 +20,7 @@ __all__ = [
     "Box",
     "ShownRays",
     "bounding_box",
+    "no_rays",
     "shown_rays",
 ]
 
@@ -92,6 +93,12 @@ class ShownRays:
     weight: NDArray[np.float64]
     generation: NDArray[np.int64]
     faint: int
+
+
+def no_rays() -> ShownRays:
+    """Return no segments, for a scene that is drawn by itself."""
+    none = np.empty((0, 3))
+    return ShownRays(none, none, np.empty(0), np.empty(0, np.int64), 0)
 
 
 def shown_rays(found: Paths, box: Box) -> ShownRays:

@@ -15,24 +15,31 @@ as they are, never smoothed or interpolated, and are hatched where fewer than 10
 ``draw_layout``              sections through the scene, with or without rays
 ===========================  =====================================================
 
+Each is there without ``draw_`` as well: ``figures.ledger(result)``.
+
 >>> from photizon_cl import figures
 >>> figures.draw_irradiance(result, "target").savefig("target.pdf")  # doctest: +SKIP
 """
 
 from __future__ import annotations
 
-from photizon_cl.views.figures.convergence import draw_convergence
-from photizon_cl.views.figures.far_field import draw_far_field, draw_far_field_cuts
-from photizon_cl.views.figures.ladder import draw_ladder
-from photizon_cl.views.figures.layout import draw_layout
-from photizon_cl.views.figures.ledger import draw_ledger
-from photizon_cl.views.figures.maps import draw_irradiance, draw_relative_sigma
+from photizon_cl.views.figures.convergence_plot import draw_convergence
+from photizon_cl.views.figures.far_field_plots import draw_far_field, draw_far_field_cuts
+from photizon_cl.views.figures.ladder_plot import draw_ladder
+from photizon_cl.views.figures.layout_plot import draw_layout
+from photizon_cl.views.figures.ledger_plot import draw_ledger
+from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
 from photizon_cl.views.figures.style import FORMATS
 from photizon_cl.views.figures.table import FIGURES, draw_all, figure_names, write_all
+
+irradiance, relative_sigma = draw_irradiance, draw_relative_sigma
+far_field, far_field_cuts = draw_far_field, draw_far_field_cuts
+ledger, ladder, convergence, layout = draw_ledger, draw_ladder, draw_convergence, draw_layout
 
 __all__ = [
     "FIGURES",
     "FORMATS",
+    "convergence",
     "draw_all",
     "draw_convergence",
     "draw_far_field",
@@ -42,6 +49,13 @@ __all__ = [
     "draw_layout",
     "draw_ledger",
     "draw_relative_sigma",
+    "far_field",
+    "far_field_cuts",
     "figure_names",
+    "irradiance",
+    "ladder",
+    "layout",
+    "ledger",
+    "relative_sigma",
     "write_all",
 ]

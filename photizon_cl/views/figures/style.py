@@ -15,14 +15,16 @@ from typing import TYPE_CHECKING, Final, ParamSpec
 
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from photizon_cl.result.text import lit_percent
 from photizon_cl.views.figures.words import fitted, percent, wrapped
+from photizon_cl.views.shown import ShownFigure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
+
+    from matplotlib.figure import Figure
 
     from photizon_cl.result.estimates import Estimates
 
@@ -181,7 +183,7 @@ def sheet(
     foot = _MARGIN + 0.155 * len(lines) + 0.05
     height = _STEP * math.ceil(round((head + body + foot) / _STEP, 6))
 
-    figure = Figure(figsize=(WIDTH, height), facecolor="white")
+    figure = ShownFigure(figsize=(WIDTH, height), facecolor="white")
     FigureCanvasAgg(figure)
     left = _MARGIN / WIDTH
     y = height - _MARGIN

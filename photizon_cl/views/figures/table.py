@@ -8,13 +8,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.atomic import in_any_locale
 from photizon_cl.errors import ArgumentError, show
-from photizon_cl.views.figures.convergence import draw_convergence, history
-from photizon_cl.views.figures.far_field import draw_far_field, draw_far_field_cuts
-from photizon_cl.views.figures.ladder import draw_ladder
-from photizon_cl.views.figures.layout import MOST_ELEMENTS, draw_layout
-from photizon_cl.views.figures.ledger import draw_ledger
-from photizon_cl.views.figures.maps import draw_irradiance, draw_relative_sigma
+from photizon_cl.views.figures.convergence_plot import draw_convergence, history
+from photizon_cl.views.figures.far_field_plots import draw_far_field, draw_far_field_cuts
+from photizon_cl.views.figures.ladder_plot import draw_ladder
+from photizon_cl.views.figures.layout_plot import MOST_ELEMENTS, draw_layout
+from photizon_cl.views.figures.ledger_plot import draw_ledger
+from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
 from photizon_cl.views.figures.style import FORMATS, write
 
 if TYPE_CHECKING:
@@ -145,7 +146,7 @@ def write_all(
     """
     written = []
     for name, draw in draw_all(result, formats):
-        written.append(Path(folder) / name)
+        written.append(Path(folder) / in_any_locale(name))
         draw(written[-1])
     return written
 

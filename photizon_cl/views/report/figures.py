@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.atomic import in_any_locale
 from photizon_cl.views.report.words import describe
 
 if TYPE_CHECKING:
@@ -127,10 +128,10 @@ def draw(result: Estimates, there: Collection[str] = (), most_bytes: int = MOST_
     room = most_bytes
     with tempfile.TemporaryDirectory() as folder:
         for kind, element, name, write in every:
-            if room < _LEAST_ROOM and name in there:
+            if room < _LEAST_ROOM and in_any_locale(name) in there:
                 left_out.append(name)
                 continue
-            path = Path(folder) / name
+            path = Path(folder) / "figure.png"
             try:
                 write(path)
                 png = path.read_bytes()

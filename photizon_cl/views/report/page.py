@@ -67,7 +67,7 @@ def render(result: Estimates, figures: Figures, recipe: str | None) -> str:
     recipe : str or None
         The token that reproduces the run, where the directory holds one.
     """
-    from photizon_cl.scene.files import to_toml
+    from photizon_cl.scene.writing import to_toml
     from photizon_cl.version import __version__
 
     scene = _SHORT_LIST.sub(_on_one_line, to_toml(result.scene))

@@ -90,7 +90,7 @@ def _ledger(result: Estimates, _: str) -> tuple[str, str]:
 
 
 def _convergence(result: Estimates, _: str) -> tuple[str, str]:
-    from photizon_cl.views.figures.convergence import history
+    from photizon_cl.views.figures.convergence_plot import history
 
     waves = history(result)
     caption = "The median relative σ as the run went on, against rays and against time."

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import reason, replacing
+from photizon_cl.atomic import in_any_locale, reason, replacing
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.recipe import RecipeText
 from photizon_cl.views.report import figures as drawing
@@ -118,11 +118,12 @@ def _complete(folder: Path, files: dict[str, bytes]) -> tuple[list[Path], list[s
     try:
         folder.mkdir(exist_ok=True)
         for name, png in files.items():
-            if (folder / name).exists():
+            file = folder / in_any_locale(name)
+            if file.exists():
                 continue
-            with replacing(folder / name) as temporary:
+            with replacing(file) as temporary:
                 temporary.write_bytes(png)
-            made.append(folder / name)
+            made.append(file)
     except OSError as error:
         return made, [f"figures cannot be written to {show(str(folder))} ({reason(error)})"]
     return made, []

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
 from matplotlib.colors import BoundaryNorm
 
 from photizon_cl.views.drawing.plot import draw_section, legend_handles, ray_colours
-from photizon_cl.views.drawing.view import ShownRays, bounding_box, shown_rays
+from photizon_cl.views.drawing.view import bounding_box, no_rays, shown_rays
 from photizon_cl.views.figures.style import SMALL, sheet, styled
 
 if TYPE_CHECKING:
@@ -45,8 +44,7 @@ def draw_layout(result: Estimates, paths: Paths | None = None) -> Figure:
     scene = result.scene
     box = bounding_box(scene)
     if paths is None:
-        none = np.empty((0, 3))
-        rays = ShownRays(none, none, np.empty(0), np.empty(0, np.int64), 0)
+        rays = no_rays()
         said = "no rays drawn"
     else:
         rays = shown_rays(paths, box)

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from photizon_cl.errors import ArgumentError
 from photizon_cl.views.figures import bins
-from photizon_cl.views.figures.maps import amounts
+from photizon_cl.views.figures.map_plots import amounts
 from photizon_cl.views.figures.style import (
     BLUE,
     GRID,

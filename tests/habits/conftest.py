@@ -1,0 +1,13 @@
+"""Fixtures of the tests of what people are used to: names, numbers, files, shells."""
+
+from __future__ import annotations
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def room():
+    """Return a result of the box room: map, ladder, several elements; 3 batches."""
+    import photizon_cl as pz
+
+    return pz.trace("box-room", batches=3, rays_per_batch=2048)
