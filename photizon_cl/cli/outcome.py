@@ -35,7 +35,7 @@ def give(result: Result, folder: str | None, *, as_json: bool, said: Collection[
     failed: ResultError | None = None
     if folder is not None:
         try:
-            result.save(folder)
+            result.save(folder, replace=True)  # what goes was said before the run
         except ResultError as error:
             failed = error  # the numbers are still worth printing
     if as_json:

@@ -39,7 +39,14 @@ if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.scene.model import Scene
 
-__all__ = ["read_file", "read_scene", "write_arrays", "write_state"]
+__all__ = [
+    "read_engine",
+    "read_file",
+    "read_scene",
+    "read_scene_text",
+    "write_arrays",
+    "write_state",
+]
 
 _GROUP: Final = "tally"
 _OVERHEAD: Final = 1 << 18  # bytes of a file beside its arrays, rounded up
@@ -160,6 +167,23 @@ def read_scene(file: Path) -> Scene:
     """Return the scene of a file, and read no more of it; raises as `read_file` does."""
     with _damage_told(file):
         return load(tomllib.loads(_scene_text(file)))
+
+
+def read_scene_text(file: Path) -> str:
+    """Return the scene of a file as it was written; raises as `read_file` does."""
+    with _damage_told(file):
+        return _scene_text(file)
+
+
+def read_engine(file: Path) -> str:
+    """Return which engine made the batches of a file, empty where it is not known."""
+    import xarray as xr
+
+    with (
+        _damage_told(file),
+        xr.open_dataset(file, engine="h5netcdf", group=_GROUP, decode_cf=False) as group,
+    ):
+        return str(group.attrs.get("engine", ""))
 
 
 @contextmanager

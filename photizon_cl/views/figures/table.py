@@ -15,7 +15,7 @@ from photizon_cl.views.figures.ladder import draw_ladder
 from photizon_cl.views.figures.layout import MOST_ELEMENTS, draw_layout
 from photizon_cl.views.figures.ledger import draw_ledger
 from photizon_cl.views.figures.maps import draw_irradiance, draw_relative_sigma
-from photizon_cl.views.figures.style import FORMATS, write
+from photizon_cl.views.figures.style import FORMATS, replace_figure, write
 
 if TYPE_CHECKING:
     import os
@@ -134,19 +134,19 @@ def write_all(
     result : Result
         The result.
     folder : str or path
-        An existing directory; files of the same names in it are replaced.
+        An existing directory; figures of the same names in it are replaced.
     formats : str or sequence of str, optional
         Of ``"png"``, ``"svg"`` and ``"pdf"``.
 
     Raises
     ------
     ArgumentError
-        Where a format is another one.
+        Where a format is another one, or a file of such a name is no figure that was written here.
     """
     written = []
     for name, draw in draw_all(result, formats):
         written.append(Path(folder) / name)
-        draw(written[-1])
+        replace_figure(written[-1], draw)
     return written
 
 
