@@ -112,7 +112,7 @@ def _told(question: Callable[[], bool]) -> bool:
     """Answer a question about a file; what cannot be read, or is damaged, is not ours."""
     try:
         return question()
-    except (OSError, ValueError, KeyError, TypeError, RecursionError, PhotizonError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError, StopIteration, PhotizonError):
         return False
 
 
@@ -153,12 +153,15 @@ def _is_table(path: Path, old: Estimates | None, summary: dict[str, Any]) -> boo
         text = file.read()
     if old is None:  # nothing to compare it with
         return bool(summary) and text.startswith(_HEADS[path.name])
-    tables = {
-        "ledger.csv": lambda: ledger_csv(old),
-        "detectors.csv": lambda: detectors_csv(old),
-        **{tally_file(e): lambda c=c: tally_csv(c) for e, c in old.tallies.items()},  # type: ignore[misc]
-    }
-    return path.name in tables and _cells(text) == _cells(tables[path.name]())
+    return _cells(text) == _cells(_table(path.name, old))
+
+
+def _table(name: str, result: Estimates) -> str:
+    if name == "ledger.csv":
+        return ledger_csv(result)
+    if name == "detectors.csv":
+        return detectors_csv(result)
+    return next(tally_csv(cells) for e, cells in result.tallies.items() if tally_file(e) == name)
 
 
 def _cells(text: str) -> list[list[str]]:
