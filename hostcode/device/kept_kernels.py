@@ -340,6 +340,6 @@ def _build_binary(device: OpenDevice, key: str, source: str, options: Sequence[s
     where = kernel_cache.place()
     if not own and where is not None:
         with suppress(OSError, cl.Error):
-            given = program.get_info(cl.program_info.BINARIES)[0]
-            _write(where, key, {_BINARY: bytes(given)}, "")
+            given: Any = program.get_info(cl.program_info.BINARIES)
+            _write(where, key, {_BINARY: bytes(given[0])}, "")
     return program

@@ -86,13 +86,12 @@ def check_there(folder: Path, result: Estimates) -> Estimates | None:
 
 def _figures(result: Estimates) -> list[str]:
     """Return the names of all figures that a result may come to have."""
-    from photizon_cl.views.figures import FIGURES as KINDS
-    from photizon_cl.views.figures import FORMATS, figure_names
+    from photizon_cl.views.figures.style import FORMATS
+    from photizon_cl.views.figures.table import figure_names, possible_names
 
-    names = figure_names(result, FORMATS)
-    if not result.batches:  # of a run that begins: some figures are only known behind it
-        names += [f"{kind.stem}.{form}" for kind in KINDS for form in FORMATS]
-    return names
+    if not result.batches:  # of a run that begins: it has no numbers yet
+        return possible_names(element.name for element in result.scene.element)
+    return figure_names(result, FORMATS)
 
 
 def _check_unfinished(folder: Path, result: Estimates) -> None:

@@ -19,13 +19,13 @@ from photizon_cl.views.figures.style import FORMATS, replace_figure, write
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from matplotlib.figure import Figure
 
     from photizon_cl.result.estimates import Estimates
 
-__all__ = ["FIGURES", "Kind", "draw_all", "figure_names", "write_all"]
+__all__ = ["FIGURES", "Kind", "draw_all", "figure_names", "possible_names", "write_all"]
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def draw_all(
     used: set[str] = set()
     for kind in FIGURES:
         for subject in kind.subjects(result):
-            stem = re.sub(r"[^\w+.-]+", "_", "-".join([kind.stem, *subject])).lower()[:100]
+            stem = _stem(kind, *subject)
             name, n = stem, 2
             while name in used:
                 name, n = f"{stem}-{n}", n + 1
@@ -120,6 +120,22 @@ def draw_all(
             for suffix in dict.fromkeys(formats):
                 draw = partial(kind.draw, result, *subject)
                 yield f"{name}.{suffix}", partial(write, draw, kind=suffix)
+
+
+def _stem(kind: Kind, *subject: str) -> str:
+    return re.sub(r"[^\w+.-]+", "_", "-".join([kind.stem, *subject])).lower()[:100]
+
+
+def possible_names(elements: Iterable[str]) -> list[str]:
+    """Return the file names that figures may have of a run that has no batch yet.
+
+    Parameters
+    ----------
+    elements : iterable of str
+        Names of the scene's elements.
+    """
+    subjects = [(), *((name,) for name in elements)]
+    return [f"{_stem(kind, *s)}.{form}" for kind in FIGURES for s in subjects for form in FORMATS]
 
 
 def write_all(
