@@ -265,7 +265,8 @@ def _run_width(opened: OpenDevice, lanes: int) -> list[str]:
                 *_limbs(kernels, group),
             ):
                 failures[failure] = None
-    kept_kernels.keep(_program(opened, lanes))
+    if not failures:
+        kept_kernels.keep(_program(opened, lanes))
     return list(failures)
 
 
