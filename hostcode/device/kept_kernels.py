@@ -90,7 +90,7 @@ def build(device: OpenDevice, key: str, source: str, options: Sequence[str]) -> 
             if found is None:
                 raise
             _refuse(key, found)
-            found = None
+            found, there = None, _folders()
             program = _built(cl.Program(device.context, source), options)
         except BaseException:  # an interrupt, which is no fault of what is kept
             if found is not None:
@@ -242,8 +242,11 @@ def _fetch(key: str) -> _Known | None:
     for name, data in content.items():
         path = where.running / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
-        path.chmod(0o700)
+        # PoCL's directories are by the text without comments, so that another program may have
+        # loaded the file that is there: it must not change under it
+        if not path.exists():
+            path.write_bytes(data)
+            path.chmod(0o700)
         folders.add(str(Path(*PurePosixPath(name).parts[:2])))
     return _Known(folders, digest, mark=_mark(key))
 

@@ -76,15 +76,13 @@ def test_each_variable_is_seen_to(usual, own_place, file, monkeypatch):
     monkeypatch.setenv("POCL_CACHE_DIR", file)
     with pytest.warns(CacheWarning, match="Not a directory.*set POCL_CACHE_DIR to"):
         provide_cache()
-    temporary, running = own_place()
+    temporary, _ = own_place()
     assert os.path.isdir(os.environ["POCL_CACHE_DIR"])
     provide_cache()  # what was put in its place can be written
     assert own_place()[0] == temporary
     monkeypatch.setenv("POCL_CACHE_DIR", "")
     monkeypatch.setenv("XDG_CACHE_HOME", file)
-    with pytest.warns(
-        CacheWarning, match=r"file/photizon_cl/kernels cannot.*set XDG_CACHE_HOME to"
-    ):
+    with pytest.warns(CacheWarning, match=r"/kernels cannot.*set XDG_CACHE_HOME to"):
         provide_cache()
 
 
@@ -105,7 +103,7 @@ def test_the_users_own_directory_keeps_the_kernels(usual, own_place, monkeypatch
 
 def test_what_dead_processes_worked_in_goes(usual, own_place):
     provide_cache()
-    kept, mine = own_place()
+    _, mine = own_place()
     dead, young = mine.parent / "dead", mine.parent / "young"
     dead.mkdir()
     young.mkdir()
