@@ -38,20 +38,21 @@ def replacing(target: Path) -> Iterator[Path]:
     handle, name = tempfile.mkstemp(prefix=TEMPORARY, suffix=target.suffix, dir=target.parent)
     temporary = target.parent / os.path.basename(name)
     try:
-        if target.suffix != _LOCKS_ITSELF:
-            _take(handle)  # held until it is done: `sweep` of another process leaves it alone
-        yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        with open(temporary, "rb+") as written:
-            os.fsync(written.fileno())  # the name must not reach the disk before the bytes do
+        try:
+            if target.suffix != _LOCKS_ITSELF:
+                _take(handle)  # held until it is done: `sweep` of another process leaves it alone
+            yield temporary
+            umask = os.umask(0)
+            os.umask(umask)
+            temporary.chmod(0o666 & ~umask)
+            with open(temporary, "rb+") as written:
+                os.fsync(written.fileno())  # the name must not reach the disk before the bytes do
+        finally:
+            os.close(handle)
         os.replace(temporary, target)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
-    finally:
-        os.close(handle)
 
 
 def sweep(folder: Path, *, held: bool) -> None:

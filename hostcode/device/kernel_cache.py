@@ -115,7 +115,8 @@ def provide_cache() -> None:
     _sweep(running)
     mine = Path(tempfile.mkdtemp(dir=running))
     handle = os.open(mine / _HELD, os.O_RDWR | os.O_CREAT)
-    hold(handle)
+    with suppress(OSError):  # without locks its age tells whether it is in use
+        hold(handle)
     _held.append(handle)  # as long as the process lives
     atexit.register(_remove, mine, os.getpid())
     os.environ[_POCL] = str(mine)
