@@ -32,12 +32,12 @@ __all__ = [
     "TRYING",
     "Place",
     "cache_home",
-    "clear",
     "hold",
     "kept",
     "kept_files",
     "place",
     "provide_cache",
+    "remove_kept",
     "root",
 ]
 
@@ -151,7 +151,7 @@ def kept() -> tuple[int, int]:
     return len(sizes), sum(sizes)
 
 
-def clear() -> tuple[int, int]:
+def remove_kept() -> tuple[int, int]:
     """Remove every kept program; return how many went, and their bytes.
 
     Processes that run meanwhile are not disturbed: what they use is their own.

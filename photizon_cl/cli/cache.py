@@ -24,7 +24,7 @@ def call(arguments: argparse.Namespace) -> int:
     from hostcode.device import kernel_cache, selftest
 
     folder, tests = kernel_cache.root(), selftest.cache_file()
-    files, size = kernel_cache.clear() if arguments.clear else kernel_cache.kept()
+    files, size = kernel_cache.remove_kept() if arguments.clear else kernel_cache.kept()
     if arguments.clear and next(kernel_cache.kept_files(), None) is not None:
         raise ArgumentError(f"cache: {show(str(folder))} cannot be cleared: remove it by hand")
     word = "removed" if arguments.clear else "kept"
