@@ -1,7 +1,11 @@
-"""A place for compiled kernels: the usual one, or a temporary one where nothing can be written.
+"""Where compiled kernels are: kept ones in one place, and those in use in a directory of a process.
 
-Without a cache directory PoCL lists no device, or builds no program, and says nothing of the cause;
-pyopencl, which keeps the code of its calls beside it, raises an error of the file system.
+PoCL writes what it compiles into a directory and loads what it finds there, unseen. So each process
+gives it a directory of its own, into which `hostcode.device.kept_kernels` puts only what it has
+proved to be whole. Where nothing can be kept a temporary directory takes the place, and a run still
+runs; without any, PoCL lists no device, or builds no program, and says nothing of the cause.
+
+pyopencl keeps code of its calls and binaries as well, without a digest: that is switched off.
 """
 
 from __future__ import annotations
@@ -9,73 +13,231 @@ from __future__ import annotations
 import atexit
 import os
 import shutil
+import sys
 import tempfile
+import time
 import warnings
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from hostcode.errors import CacheWarning
 
-__all__ = ["provide_cache"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = [
+    "KEPT",
+    "TRYING",
+    "Place",
+    "cache_home",
+    "hold",
+    "kept",
+    "kept_files",
+    "place",
+    "provide_cache",
+    "remove_kept",
+    "root",
+]
 
 _POCL: Final = "POCL_CACHE_DIR"
 _HOME: Final = "XDG_CACHE_HOME"
+_PYOPENCL: Final = "PYOPENCL_NO_CACHE"
+RUNNING: Final = "photizon-running"
+"""Directory of the directories of processes."""
+_HELD: Final = "held"
+"""File in such a directory that its process holds a lock of."""
+_YOUNG: Final = 60.0
+"""Seconds in which a directory that nobody holds may be one that is about to be held."""
+_FORGOTTEN: Final = 7 * 86400.0
+"""Seconds after which a directory is nobody's, on file systems without locks."""
+KEPT: Final = ".kernels"
+"""How the names of files with kept kernels end."""
+TRYING: Final = ".trying"
+"""How the names of files end that stand there while kept kernels are loaded for the first time."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the kernels of this process are.
+
+    Parameters
+    ----------
+    kept : Path
+        Directory of the kept ones.
+    running : Path
+        Directory that PoCL works in, of this process alone.
+    """
+
+    kept: Path
+    running: Path
+
+
+_place: Place | None = None
+_held: list[int] = []
+
+
+def place() -> Place | None:
+    """Return where this process's kernels are; None before `provide_cache`."""
+    return _place
 
 
 def provide_cache() -> None:
-    """See that kernels can be cached; call before pyopencl is first imported.
+    """See that kernels can be kept; call before pyopencl is first imported.
 
-    Where they cannot, the variables that name the cache are set to a directory that goes when this
-    process ends, for this process and those that it starts, and a `CacheWarning` says so.
+    Where they cannot, a temporary directory takes the place, which goes when this process ends, and
+    a `CacheWarning` says so.
 
     Raises
     ------
     OSError
         Where no temporary directory can be made either.
     """
-    if os.environ.get(_POCL) == "":
-        del os.environ[_POCL]  # PoCL ends the process at an empty name
-    refused = {name: why for name, folders in _places().items() if (why := _refusal(folders))}
-    if not refused:
-        return
-    try:
-        made = tempfile.mkdtemp(prefix="photizon-cache-")
-    except OSError as error:
-        raise OSError(f"{'; '.join(refused.values())}, nor a temporary one: {error}") from error
-    atexit.register(_remove, made, os.getpid())
-    for name in refused:
-        os.environ[name] = made
-    warnings.warn(
-        f"{'; '.join(refused.values())}: kernels are compiled anew and kept in a temporary "
-        f"directory until the process ends; to keep them, set {' and '.join(refused)} to a "
-        "directory that can be written",
-        CacheWarning,
-        stacklevel=2,
-    )
-
-
-def _places() -> dict[str, list[Path]]:
-    """Return where PoCL and pyopencl will write, by the variable that says so."""
-    home = Path(os.environ.get(_HOME) or os.path.expanduser("~/.cache"))
-    pocl, pyopencl = home / "pocl" / "kcache", home / "pytools"
-    if _POCL in os.environ:
-        return {_POCL: [Path(os.environ[_POCL])], _HOME: [pyopencl]}
-    return {_HOME: [pocl, pyopencl]}
-
-
-def _refusal(folders: list[Path]) -> str:
-    """Say why nothing can be written into directories, which need not be there; empty if it can."""
-    for folder in folders:
-        place = folder
-        while not os.path.lexists(place) and place != place.parent:
-            place = place.parent
+    global _place
+    _without_pyopencls()
+    kept, named_by = root(), _POCL if _given() else _HOME
+    why = _refusal(kept)
+    if why:
         try:
-            tempfile.TemporaryDirectory(dir=place).cleanup()
+            kept = Path(tempfile.mkdtemp(prefix="photizon-cache-"))
         except OSError as error:
-            return f"the kernel cache {folder} cannot be written ({error.strerror or error})"
+            raise OSError(f"{why}, nor a temporary one: {error}") from error
+        atexit.register(_remove, kept, os.getpid())
+        warnings.warn(
+            f"{why}: kernels are compiled anew and kept in a temporary directory until the process "
+            f"ends; to keep them, set {named_by} to a directory that can be written",
+            CacheWarning,
+            stacklevel=2,
+        )
+    running = kept / RUNNING
+    running.mkdir(parents=True, exist_ok=True)
+    _sweep(running)
+    mine = Path(tempfile.mkdtemp(dir=running))
+    handle = os.open(mine / _HELD, os.O_RDWR | os.O_CREAT)
+    with suppress(OSError):  # without locks its age tells whether it is in use
+        hold(handle)
+    _held.append(handle)  # as long as the process lives
+    atexit.register(_remove, mine, os.getpid())
+    os.environ[_POCL] = str(mine)
+    _place = Place(kept, mine)
+
+
+def root() -> Path:
+    """Return the directory in which kernels are kept; it need not be there."""
+    given = _given()
+    return given if given is not None else cache_home() / "photizon_cl" / "kernels"
+
+
+def cache_home() -> Path:
+    """Return the user's directory for caches; it need not be there."""
+    base = os.environ.get(_HOME, "")
+    # The specification says to ignore a relative path.
+    return Path(base) if os.path.isabs(base) else Path("~/.cache").expanduser()
+
+
+def kept_files() -> Iterator[Path]:
+    """Give the files of kept kernels, in no order."""
+    with suppress(OSError):
+        yield from (file for file in root().iterdir() if file.suffix == KEPT)
+
+
+def kept() -> tuple[int, int]:
+    """Return how many programs are kept, and in how many bytes."""
+    sizes = []
+    for file in kept_files():
+        with suppress(OSError):
+            sizes.append(file.stat().st_size)
+    return len(sizes), sum(sizes)
+
+
+def remove_kept() -> tuple[int, int]:
+    """Remove every kept program; return how many went, and their bytes.
+
+    Processes that run meanwhile are not disturbed: what they use is their own.
+    """
+    sizes = []
+    for file in list(kept_files()):
+        with suppress(OSError):
+            size = file.stat().st_size
+            file.unlink()
+            sizes.append(size)
+    with suppress(OSError):
+        _sweep(root() / RUNNING)
+    return len(sizes), sum(sizes)
+
+
+def hold(handle: int) -> bool:
+    """Lock an open file until it is closed; False where another has it.
+
+    Raises
+    ------
+    OSError
+        Where there are no locks.
+    """
+    try:
+        import fcntl
+
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except ImportError as error:
+        raise OSError(str(error)) from error
+    return True
+
+
+def _given() -> Path | None:
+    """Return the directory that the user gave PoCL; a parent process may have put its own there."""
+    given = os.environ.get(_POCL, "")
+    if not given:
+        return None
+    path = Path(given)
+    if path.parent.name != RUNNING:
+        return path
+    kept = path.parent.parent
+    return None if kept == cache_home() / "photizon_cl" / "kernels" else kept
+
+
+def _without_pyopencls() -> None:
+    loaded = sys.modules.get("pyopencl")
+    if loaded is None:
+        os.environ[_PYOPENCL] = "1"  # read when it is imported
+    else:
+        loaded._PYOPENCL_NO_CACHE = True  # type: ignore[attr-defined]
+
+
+def _refusal(folder: Path) -> str:
+    """Say why nothing can be written into a directory, which need not be there; empty if it can."""
+    above = folder
+    while not os.path.lexists(above) and above != above.parent:
+        above = above.parent
+    try:
+        tempfile.TemporaryDirectory(dir=above).cleanup()
+    except OSError as error:
+        return f"the kernel cache {folder} cannot be written ({error.strerror or error})"
     return ""
 
 
-def _remove(folder: str, owner: int) -> None:
+def _sweep(running: Path) -> None:
+    """Remove the directories of processes that died."""
+    for folder in list(running.iterdir()):
+        with suppress(OSError):
+            age = time.time() - folder.stat().st_mtime
+            try:
+                handle = os.open(folder / _HELD, os.O_RDWR)
+            except FileNotFoundError:
+                left = age > _YOUNG
+            else:
+                try:
+                    left = hold(handle)
+                except OSError:
+                    left = age > _FORGOTTEN
+                finally:
+                    os.close(handle)
+            if left:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+def _remove(folder: Path, owner: int) -> None:
     if os.getpid() == owner:  # a process that was forked leaves it to the one that made it
         shutil.rmtree(folder, ignore_errors=True)

@@ -5,7 +5,8 @@ it is written and only there, conversions, integers), Philox's published vectors
 cosine of the kernels, and sums by integer atomics over many work-items; each with the production
 library sources, as scalars and at the lane width that the device will run, in work-groups of one
 and of many. A pass is kept per device, driver and version of the test in
-``$XDG_CACHE_HOME/photizon_cl/selftest.json`` (default ``~/.cache``).
+``$XDG_CACHE_HOME/photizon_cl/selftest.json`` (default ``~/.cache``), with the digests of the very
+binaries that passed: where they are gone, or are others, the test runs again.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.device import known_answers
+from hostcode.device import kept_kernels, known_answers
+from hostcode.device.kernel_cache import cache_home
 from hostcode.device.opened import preferred_lanes
 from hostcode.errors import KernelBuildError
 from hostcode.templates import lane, render
@@ -42,7 +44,9 @@ __all__ = [
     "BUILD_OPTIONS",
     "SelfTestReport",
     "cache_file",
+    "forget",
     "passed_before_or_run",
+    "remembered",
     "run",
     "source",
 ]
@@ -112,14 +116,20 @@ def passed_before_or_run(opened: OpenDevice) -> SelfTestReport:
         digest = _digest(lanes)
     except KernelBuildError as error:
         return SelfTestReport((str(error),))
-    if (key, digest) in _passed or _remembered().get(key) == digest:
+    if (key, digest) in _passed or _remembered().get(key) == _verdict(opened, lanes, digest):
         _passed.add((key, digest))
         return SelfTestReport((), known=True)
     report = run(opened, lanes)
     if report.passed:
         _passed.add((key, digest))
-        _remember(key, digest)
+        _remember(key, _verdict(opened, lanes, digest))
     return report
+
+
+def _verdict(opened: OpenDevice, lanes: tuple[int, ...], digest: str) -> str:
+    """Return what a pass is about: the test, and the very binaries that passed and are kept."""
+    kept = (kept_kernels.digest_of(_program(opened, width)) for width in lanes)
+    return " ".join((digest, *(found or "-" for found in kept)))
 
 
 def run(opened: OpenDevice, lanes: tuple[int, ...] | None = None) -> SelfTestReport:
@@ -175,10 +185,20 @@ def source(lanes: int) -> str:
 
 def cache_file() -> Path:
     """Return the file that remembers passes; neither it nor its directory need exist."""
-    base = os.environ.get("XDG_CACHE_HOME", "")
-    # The specification says to ignore a relative path.
-    root = Path(base) if os.path.isabs(base) else Path("~/.cache").expanduser()
-    return root / "photizon_cl" / "selftest.json"
+    return cache_home() / "photizon_cl" / "selftest.json"
+
+
+def remembered() -> int:
+    """Return how many devices are remembered to have passed."""
+    return len(_remembered())
+
+
+def forget() -> int:
+    """Have every device tested again; return how many were remembered."""
+    count = len(_remembered())
+    with suppress(OSError):
+        cache_file().unlink(missing_ok=True)
+    return count
 
 
 _passed: set[tuple[str, str]] = set()  # what passed in this process, for where no file can be kept
@@ -228,7 +248,7 @@ def _run_width(opened: OpenDevice, lanes: int) -> list[str]:
     with warnings.catch_warnings():
         # A compiler that has something to say about a correct program is not a failure.
         warnings.simplefilter("ignore", cl.CompilerWarning)
-        program = cl.Program(opened.context, source(lanes)).build(options=list(BUILD_OPTIONS))
+        program = kept_kernels.build(opened, _program(opened, lanes), source(lanes), BUILD_OPTIONS)
     failures: dict[str, None] = {}  # a set in order: both group sizes mostly fail alike
     try:
         kernels = _Kernels(opened, program, lanes)
@@ -245,7 +265,13 @@ def _run_width(opened: OpenDevice, lanes: int) -> list[str]:
                 *_limbs(kernels, group),
             ):
                 failures[failure] = None
+    if not failures:
+        kept_kernels.keep(_program(opened, lanes))
     return list(failures)
+
+
+def _program(opened: OpenDevice, lanes: int) -> str:
+    return kept_kernels.program_key(opened, source(lanes), BUILD_OPTIONS)
 
 
 class _Kernels:

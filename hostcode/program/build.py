@@ -8,6 +8,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from hostcode.device import kept_kernels
 from hostcode.errors import KernelBuildError
 from hostcode.program.source import hook_name, program_source
 
@@ -32,6 +33,11 @@ class Program:
     digest: str
     build_seconds: float
     built: cl.Program
+    kept: str
+
+    def keep(self) -> None:
+        """Have the compiled kernels kept; call it when they have run and the device is done."""
+        kept_kernels.keep(self.kept)
 
     def kernel(self, name: str) -> cl.Kernel:
         """Return a new kernel object; keep it, each call makes another."""
@@ -91,11 +97,11 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
     source = program_source(spec)
     digest = hashlib.sha256("\0".join((source, *OPTIONS)).encode()).hexdigest()
     started = time.perf_counter()
-    program = cl.Program(device.context, source)
+    kept = kept_kernels.program_key(device, source, OPTIONS)
     try:
-        built = program.build(options=list(OPTIONS))
+        built = kept_kernels.build(device, kept, source, OPTIONS)
     except cl.RuntimeError as error:
         raise _build_error(str(error), spec) from error
-    made = Program(spec, source, digest, time.perf_counter() - started, built)
+    made = Program(spec, source, digest, time.perf_counter() - started, built, kept)
     _CACHE[key] = made
     return made

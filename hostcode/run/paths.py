@@ -75,7 +75,8 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
 
     rays = int(tables.launch["rays_per_batch"])
     spec = tables.spec.for_device(1, ("paths",))
-    kernel = build(device, spec).kernel("paths_stage")
+    program = build(device, spec)
+    kernel = program.kernel("paths_stage")
     # A split leaves one child waiting, so that no more wait than segments were written.
     stack = max_segments + 2 if spec.splits else 1
     words = len(of_type(spec.ray_fields, "word"))
@@ -125,5 +126,6 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
         found.append((ray, reals[used], wholes[used], counts[:, 1] > 0))
         behind += len(ray)
     cl.enqueue_copy(device.queue, cells, tally)
+    program.keep()
     ray, reals, wholes, cut = (np.concatenate(parts) for parts in zip(*found, strict=True))
     return RawPaths(ray, reals, wholes, cut, canonical(cells))

@@ -150,6 +150,7 @@ def probe_faces(
         cl.enqueue_copy(device.queue, out, hits_buffer)
         cl.enqueue_copy(device.queue, which, faces_buffer)
         hits[start : start + m], faces[start : start + m] = out, which
+    program.keep()
     return hits, faces
 
 
@@ -233,6 +234,7 @@ def follow_rays(
     cl.enqueue_nd_range_kernel(device.queue, kernel, *apart(device, n))
     cl.enqueue_copy(device.queue, states, states_buffer)
     cl.enqueue_copy(device.queue, faces, faces_buffer)
+    program.keep()
     return Followed(
         states[..., 0],
         states[..., 1:4],

@@ -291,6 +291,7 @@ class Engine:
             )
         self._launch_merge()
         self.device.queue.finish()
+        self.program.keep()
         return time.perf_counter() - started
 
     # -- running -------------------------------------------------------------------------------

@@ -65,6 +65,7 @@ VERBS: Final = (
         "list every OpenCL device, whether it qualifies, and why not",
         "photizon_cl.cli.devices",
     ),
+    ("cache", "show where compiled kernels are kept, or clear them", "photizon_cl.cli.cache"),
 )
 """Name, what it does, and module of every verb, in the order in which help lists them."""
 

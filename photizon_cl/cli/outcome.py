@@ -46,7 +46,8 @@ def give(
     failed: ResultError | None = None
     if folder is not None:
         try:
-            result.save(folder, figures=figures)
+            # what goes was said before the run
+            result.save(folder, figures=figures, replace=True)
         except ResultError as error:
             failed = error  # the numbers are still worth printing
     if as_json:

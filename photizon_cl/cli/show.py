@@ -51,16 +51,16 @@ def call(arguments: argparse.Namespace) -> int:
     from photizon_cl.cli.tables import console, paragraph
     from photizon_cl.run.pathing import paths
     from photizon_cl.views.drawing.plot import draw_scene
+    from photizon_cl.views.figures.style import check_figure, metadata, replace_figure
 
+    check_figure(path)
     found = paths(scene, arguments.rays, arguments.seed, device=arguments.device)
     figure = draw_scene(found, arguments.by)
-    # Nothing of the moment goes into the file: the same scene gives the same drawing.
     kind = path.suffix.lower()[1:]
-    metadata: dict[str, str | None] = {"Date" if kind == "svg" else "CreationDate": None}
-    if kind == "png":
-        metadata = {"Software": "photizon_cl"}
     try:
-        figure.savefig(path, format=kind, dpi=_DPI, metadata=metadata)
+        replace_figure(
+            path, lambda file: figure.savefig(file, format=kind, dpi=_DPI, metadata=metadata(kind))
+        )
     except OSError as error:
         why = error.strerror or str(error)
         raise ArgumentError(f"--out: {show(out)} cannot be written ({why})") from None

@@ -1,10 +1,15 @@
-"""The tables of a result as CSV, for spreadsheets and for people without Python."""
+"""The tables of a result as CSV, for spreadsheets and for people without Python.
+
+Spreadsheets compute a cell that begins like a formula, and names are anybody's text: such a name is
+written with an apostrophe before it. Numbers are never touched.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
-from typing import TYPE_CHECKING
+import re
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,6 +20,10 @@ if TYPE_CHECKING:
     from photizon_cl.result.tallies import EffectTally
 
 __all__ = ["detectors_csv", "ledger_csv", "tally_csv"]
+
+# With apostrophes and blanks before it: what is written can be told from what was so before. The
+# last four are the wide forms, which some spreadsheets take for the others.
+_FORMULA: Final = re.compile(r"['\s]*[=+\-@\uff1d\uff0b\uff0d\uff20]|[\t\r\n]")
 
 
 def ledger_csv(result: Estimates) -> str:
@@ -51,5 +60,11 @@ def _text(head: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(head)
-    writer.writerows(rows)  # floats as their shortest text that reads back to the bit
+    # floats as their shortest text that reads back to the bit
+    writer.writerows([_plain(cell) for cell in row] for row in rows)
     return out.getvalue()
+
+
+def _plain(cell: object) -> object:
+    """Return a cell that no spreadsheet takes for a formula."""
+    return f"'{cell}" if isinstance(cell, str) and _FORMULA.match(cell) else cell

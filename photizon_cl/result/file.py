@@ -40,7 +40,14 @@ if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.scene.model import Scene
 
-__all__ = ["read_file", "read_scene", "write_arrays", "write_state"]
+__all__ = [
+    "read_engine",
+    "read_file",
+    "read_scene",
+    "read_scene_text",
+    "write_arrays",
+    "write_state",
+]
 
 _GROUP: Final = "tally"
 _LONGEST: Final = 300  # characters of what a library says of a damaged file
@@ -164,6 +171,18 @@ def read_scene(file: Path) -> Scene:
     """Return the scene of a file, and read no more of it; raises as `read_file` does."""
     with _damage_told(file), _opened(file) as opened:
         return _scene(_scene_text(opened, file))
+
+
+def read_scene_text(file: Path) -> str:
+    """Return the scene of a file as it was written; raises as `read_file` does."""
+    with _damage_told(file), _opened(file) as opened:
+        return _scene_text(opened, file)
+
+
+def read_engine(file: Path) -> str:
+    """Return which engine made the batches of a file, empty where it is not known."""
+    with _damage_told(file), _opened(file) as opened:
+        return str(opened[_GROUP].attrs.get("engine", ""))
 
 
 @contextmanager

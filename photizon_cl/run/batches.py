@@ -25,7 +25,6 @@ from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
 from photizon_cl.run.checkpoint import Keeper
-from photizon_cl.run.directory import prepare_target
 from photizon_cl.run.distribution import Local, Runner
 from photizon_cl.run.progress import Clock, Progress
 from photizon_cl.run.workers import Executed
@@ -150,7 +149,7 @@ def go_on(
     """Add batches to a result that nobody else holds until its goal is reached."""
     if checkpoint is None:
         return _add_batches(start, goal, device, progress, executor, plan, None)
-    keeper = Keeper(prepare_target(checkpoint, start), start)
+    keeper = Keeper(checkpoint, start)
     try:
         return _add_batches(start, goal, device, progress, executor, plan, keeper)
     finally:

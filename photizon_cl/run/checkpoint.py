@@ -14,10 +14,11 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import Lock, reason, replacing, sweep
+from photizon_cl.atomic import reason, replacing
 from photizon_cl.errors import ArgumentError, ResultError, RunError, RunWarning, show
 from photizon_cl.result.file import write_state
-from photizon_cl.run.directory import ARRAYS, CHECKPOINT, read, unfinished
+from photizon_cl.run.directory import ARRAYS, CHECKPOINT, check_there, read, steady, unfinished
+from photizon_cl.run.target import check_target, claim
 from photizon_cl.scene.model import same_stream
 
 if TYPE_CHECKING:
@@ -40,35 +41,30 @@ class Keeper:
 
     Parameters
     ----------
-    folder : Path
-        An existing directory.
+    path : str or path
+        The directory; made where it is not there, and held until the keeper is closed.
     start : Estimates
         What the run starts from; written at once, so that its goal is known.
 
     Raises
     ------
+    ResultError
+        Where it cannot be used, is in use, holds another unfinished run, or what is not ours.
     RunError
         Where the first checkpoint cannot be written.
     """
 
-    def __init__(self, folder: Path, start: Estimates) -> None:
-        self._file = folder / CHECKPOINT
+    def __init__(self, path: str | os.PathLike[str], start: Estimates) -> None:
         import h5netcdf  # noqa: F401  (what is imported once is no part of a checkpoint's cost)
         import xarray  # noqa: F401
 
-        try:
-            self._lock = Lock(folder)
-        except BlockingIOError:
-            raise ResultError(
-                f"{show(str(folder))} is being written to by another run: wait for it, or give "
-                "another directory"
-            ) from None
-        except OSError as error:
-            raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from None
-        sweep(folder)
+        folder = check_target(path)
+        self._file = folder / CHECKPOINT
+        self._lock = claim(folder)
         self._cost = self._written = 0.0
         self._failed = False
         try:
+            check_there(folder, start)
             self._write(start)
         except BaseException:
             self.close()
@@ -130,6 +126,10 @@ def latest(path: str | os.PathLike[str]) -> Estimates:
         raise ResultError(
             f"{show(str(folder))} is a file: give the directory that `photizon run --out` wrote"
         )
+    return steady(folder, lambda: _latest(folder))
+
+
+def _latest(folder: Path) -> Estimates:
     left = unfinished(folder)
     if left is None and folder.is_dir() and not (folder / ARRAYS).exists():
         raise ResultError(

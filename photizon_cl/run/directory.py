@@ -8,19 +8,31 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
+import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
-from photizon_cl.atomic import TEMPORARY, in_any_locale, reason, replacing
-from photizon_cl.compile.effects.table import EFFECTS
+from photizon_cl.atomic import in_any_locale, reason, replacing
 from photizon_cl.errors import ResultError, show
-from photizon_cl.result.file import read_file, read_scene, write_arrays
+from photizon_cl.result.engine import engine_digest
+from photizon_cl.result.file import read_engine, read_file, read_scene, write_arrays
+from photizon_cl.run.ours import (
+    ARRAYS,
+    CHECKPOINT,
+    DERIVED,
+    FIGURES,
+    REPORT,
+    is_figure,
+    is_report,
+    not_ours,
+    tally_file,
+)
+from photizon_cl.run.target import check_target, held, refuse
 from photizon_cl.scene.model import same_stream
 from photizon_cl.scene.writing import to_toml
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.scene.model import Scene
@@ -29,86 +41,57 @@ __all__ = [
     "ARRAYS",
     "CHECKPOINT",
     "REPORT",
+    "check_there",
     "open_directory",
-    "prepare_target",
     "read",
     "save",
+    "steady",
     "unfinished",
     "what_is_lost",
 ]
 
-ARRAYS: Final = "result.nc"
-"""The file that is the result."""
-CHECKPOINT: Final = "checkpoint.nc"
-"""The file of a run that is under way, or was killed."""
-REPORT: Final = "report.html"
-"""The file of the report, where it is one of ours."""
+_T = TypeVar("_T")
+_TRIES: Final = 40
+"""Times that a directory is read again which changed meanwhile."""
 
 
-def _tally_file(effect: str) -> str:
-    """Return the file of what an effect counts."""
-    return f"tally-{effect}.csv"
+# -- writing -------------------------------------------------------------------------------------
 
 
-_TABLES: Final = ("ledger.csv", "detectors.csv", *(_tally_file(effect.name) for effect in EFFECTS))
-_OURS: Final = frozenset(
-    {
-        "summary.json",
-        "scene.toml",
-        ARRAYS,
-        CHECKPOINT,
-        "figures",
-        "recipe.txt",
-        *_TABLES,
-    }
-)
+def check_there(folder: Path, result: Estimates) -> Estimates | None:
+    """Return the result in a directory that may be replaced by another one; None without one.
 
-
-def _check_target(path: str | os.PathLike[str], result: Estimates) -> tuple[Path, Estimates | None]:
-    """Return the directory that a result may be written into, and the result that is there.
-
-    Makes nothing. What is there is read this once: it may be large.
+    The directory is held by the caller. What is there is read this once: it may be large.
 
     Parameters
     ----------
-    path : str or path
-        The directory.
+    folder : Path
+        An existing directory.
     result : Estimates
         What is to be written there; its own checkpoint may be there.
 
     Raises
     ------
     ResultError
-        Where it is a file, or a directory that holds something and no result, or one with the
-        checkpoint of another run.
+        Where files of these names are not ours, or there is the checkpoint of another run.
     """
-    folder = Path(os.fsdecode(path))
-    shown = show(str(folder))
-    try:
-        if folder.is_symlink() and not folder.exists():
-            raise ResultError(f"{shown} is a link that leads nowhere: give another directory")
-        if not folder.exists():
-            return folder, None
-        if not folder.is_dir():
-            raise ResultError(f"{shown} is a file: give a directory to write the result into")
-        there = {e.name for e in folder.iterdir() if not e.name.startswith(TEMPORARY)}
-    except (OSError, ValueError) as error:
-        if isinstance(error, ResultError):
-            raise
-        raise ResultError(f"{shown} cannot be used: {reason(error)}") from None
-    others = there - _OURS if ARRAYS not in there else set()
-    if REPORT in others and _is_report(folder / REPORT):
-        others.remove(REPORT)
-    if others:
-        raise ResultError(
-            f"{shown} holds files and no photizon result: give a new or empty directory, so that "
-            "nothing is overwritten"
-        )
     # something else of that name is not ours to replace
-    old = read(folder) if ARRAYS in there else None
-    if CHECKPOINT in there:
+    old = read(folder) if os.path.lexists(folder / ARRAYS) else None
+    if os.path.lexists(folder / CHECKPOINT):
         _check_unfinished(folder, result)
-    return folder, old
+    figures = _figures(result) if os.path.lexists(folder / FIGURES) else []
+    refuse(folder, not_ours(folder, old, figures))
+    return old
+
+
+def _figures(result: Estimates) -> list[str]:
+    """Return the names of all figures that a result may come to have."""
+    from photizon_cl.views.figures.style import FORMATS
+    from photizon_cl.views.figures.table import figure_names, possible_names
+
+    if not result.batches:  # of a run that begins: it has no numbers yet
+        return possible_names(element.name for element in result.scene.element)
+    return figure_names(result, FORMATS)
 
 
 def _check_unfinished(folder: Path, result: Estimates) -> None:
@@ -155,34 +138,21 @@ def what_is_lost(path: str | os.PathLike[str], scene: Scene) -> str:
     try:
         if not (folder / ARRAYS).is_file():
             return ""
-    except (OSError, ValueError):  # what is wrong with the path, `prepare_target` tells
+    except (OSError, ValueError):  # what is wrong with the path, `check_target` tells
         return ""
-    there = read_scene(folder / ARRAYS)
+    there, engine = steady(
+        folder, lambda: (read_scene(folder / ARRAYS), read_engine(folder / ARRAYS))
+    )
+    return _other(there, engine, scene)
+
+
+def _other(there: Scene, engine: str, scene: Scene) -> str:
+    """Return what a result is that is none of a scene by this engine, empty where it is one."""
     if same_stream(there, scene):
-        return ""
+        alike = engine in ("", engine_digest())
+        return "" if alike else f"{there.name!r} by another version of the engine"
     found, mine = (f"{s.name!r} with seed {s.run.seed}" for s in (there, scene))
     return f"{found}, of other settings or an older scene" if found == mine else found
-
-
-def prepare_target(path: str | os.PathLike[str], result: Estimates) -> Path:
-    """Make the directory that a result will be written into, and see that it can be.
-
-    Raises
-    ------
-    ResultError
-        Where it is a file, or a directory that holds something and no result, or one with the
-        checkpoint of another run, or nothing can be written there.
-    """
-    folder, _ = _check_target(path, result)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise ResultError(
-            f"{show(str(folder))} cannot be written: {reason(error)}; give another directory"
-        ) from None
-    return folder
 
 
 def save(
@@ -191,51 +161,38 @@ def save(
     *,
     figures: bool = True,
     formats: str | Sequence[str] = ("png",),
+    replace: bool = False,
 ) -> None:
     """Write a result, see `photizon_cl.Result.save`."""
-    from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, tally_csv
-    from photizon_cl.result.recipe import RecipeText
-
-    folder, old = _check_target(path, result)
-    stale: set[str] = set()
-    if old is not None:
-        _check_longer(folder, old, result)
-        stale = _figures_of(old, folder / "figures")
-        del old  # two large results at a time are one too many
     if figures:
         from photizon_cl.views.figures import figure_names
 
         figure_names(result, formats)  # an unknown format is told before anything is written
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with replacing(folder / "scene.toml") as temporary:
-            temporary.write_text(to_toml(result.scene), encoding="utf-8")
-        with replacing(folder / ARRAYS) as temporary:
-            write_arrays(result, temporary)
-            # never beside another run's arrays
-            for name in ("summary.json", "recipe.txt", *_TABLES):
-                (folder / name).unlink(missing_ok=True)
-        (folder / CHECKPOINT).unlink(missing_ok=True)  # the result holds as much and more
-        with replacing(folder / "recipe.txt") as temporary:
-            temporary.write_text(RecipeText.of(result).token + "\n", encoding="ascii")
-        with replacing(folder / "ledger.csv") as temporary:
-            temporary.write_text(ledger_csv(result), encoding="utf-8", newline="")
-        if result.detectors:
-            with replacing(folder / "detectors.csv") as temporary:
-                temporary.write_text(detectors_csv(result), encoding="utf-8", newline="")
-        for effect, cells in result.tallies.items():
-            with replacing(folder / _tally_file(effect)) as temporary:
-                temporary.write_text(tally_csv(cells), encoding="utf-8", newline="")
-        with replacing(folder / "summary.json") as temporary:
-            text = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False)
-            temporary.write_text(text + "\n", encoding="utf-8")
-        if _is_report(folder / REPORT):  # of the result before; nobody else's page
-            (folder / REPORT).unlink()
-        drawn = _draw(result, folder / "figures", formats) if figures else set()
-        for name in stale - drawn:
-            (folder / "figures" / in_any_locale(name)).unlink(missing_ok=True)
-    except OSError as error:
-        raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from error
+    folder = check_target(path)
+    with held(folder):
+        stale: set[str] = set()
+        old = check_there(folder, result)
+        if old is not None:
+            lost = "" if replace else _other(old.scene, old.info.engine, result.scene)
+            if lost:
+                raise ResultError(
+                    f"{show(str(folder))} holds the result of {lost}, and is kept: give another "
+                    "directory, or replace=True"
+                )
+            _check_longer(folder, old, result)
+            stale = _figures_of(old, folder / FIGURES)
+            del old  # two large results at a time are one too many
+        try:
+            _write_all(result, folder)
+            if is_report(folder / REPORT):  # of the result before; nobody else's page
+                (folder / REPORT).unlink()
+            drawn = _draw(result, folder / FIGURES, formats) if figures else set()
+            for name in stale - drawn:
+                file = folder / FIGURES / in_any_locale(name)
+                if is_figure(file):
+                    file.unlink(missing_ok=True)
+        except OSError as error:
+            raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from error
 
 
 def _figures_of(result: Estimates, folder: Path) -> set[str]:
@@ -247,13 +204,30 @@ def _figures_of(result: Estimates, folder: Path) -> set[str]:
     return set(figure_names(result, FORMATS))
 
 
-def _is_report(page: Path) -> bool:
-    """Say whether a file is there and one of our reports."""
-    if not page.is_file():
-        return False
-    from photizon_cl.views.report.writing import is_report
+def _write_all(result: Estimates, folder: Path) -> None:
+    """Write every file but the figures; what is made from a result is never beside another's."""
+    from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, tally_csv
+    from photizon_cl.result.recipe import RecipeText
 
-    return is_report(page)
+    with replacing(folder / ARRAYS) as temporary:
+        write_arrays(result, temporary)
+        for name in DERIVED:
+            (folder / name).unlink(missing_ok=True)
+    (folder / CHECKPOINT).unlink(missing_ok=True)  # the result holds as much and more
+    with replacing(folder / "scene.toml") as temporary:
+        temporary.write_text(to_toml(result.scene), encoding="utf-8")
+    with replacing(folder / "recipe.txt") as temporary:
+        temporary.write_text(RecipeText.of(result).token + "\n", encoding="ascii")
+    tables = {"ledger.csv": ledger_csv(result)}
+    if result.detectors:
+        tables["detectors.csv"] = detectors_csv(result)
+    tables |= {tally_file(effect): tally_csv(cells) for effect, cells in result.tallies.items()}
+    for name, text in tables.items():
+        with replacing(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="")
+    with replacing(folder / "summary.json") as temporary:
+        text = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
 
 
 def _draw(result: Estimates, folder: Path, formats: str | Sequence[str]) -> set[str]:
@@ -271,8 +245,48 @@ def _draw(result: Estimates, folder: Path, formats: str | Sequence[str]) -> set[
 # -- reading -------------------------------------------------------------------------------------
 
 
+def steady(path: str | os.PathLike[str], look: Callable[[], _T]) -> _T:
+    """Read a directory that a run may be writing to: again, where it changed and gave an error.
+
+    Each file is replaced in one step, but a reader opens several, and one more than once.
+
+    Parameters
+    ----------
+    path : str or path
+        The directory, or a file in it.
+    look : callable
+        What reads it.
+    """
+    given = Path(os.fsdecode(path))
+    for _ in range(_TRIES):
+        before = _marks(given)
+        try:
+            return look()
+        except ResultError:
+            if _marks(given) == before:
+                raise
+        time.sleep(0.01)
+    return look()
+
+
+def _marks(given: Path) -> list[tuple[int, int, int] | None]:
+    """Return what changes where a file of a result is replaced."""
+    marks: list[tuple[int, int, int] | None] = []
+    for file in (given, given / ARRAYS, given / CHECKPOINT):
+        try:
+            found = file.stat()
+            marks.append((found.st_ino, found.st_size, found.st_mtime_ns))
+        except (OSError, ValueError):
+            marks.append(None)
+    return marks
+
+
 def open_directory(path: str | os.PathLike[str]) -> Estimates:
     """Return what a result says that was saved, see `photizon_cl.open_result`."""
+    return steady(path, lambda: _open_directory(path))
+
+
+def _open_directory(path: str | os.PathLike[str]) -> Estimates:
     given = Path(os.fsdecode(path))
     left = unfinished(given) if given.name != ARRAYS else None
     if left is None:

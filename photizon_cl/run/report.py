@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.atomic import Lock, sweep
 from photizon_cl.errors import ResultError
 from photizon_cl.run.directory import ARRAYS, REPORT, open_directory
+from photizon_cl.run.ours import FIGURES
 
 if TYPE_CHECKING:
     from photizon_cl.views.report.writing import Written
@@ -47,4 +50,16 @@ def write_report(
     from photizon_cl.views.report.writing import write_page  # matplotlib, not for a wrong path
 
     home = given if given.is_dir() else given.parent
+    _clear(home)
     return write_page(result, home, home / REPORT if out is None else Path(os.fsdecode(out)))
+
+
+def _clear(home: Path) -> None:
+    """Remove what killed writers left beside a result, unless a run is writing there."""
+    with suppress(OSError):  # a directory that is held, or that only can be read
+        lock = Lock(home)
+        try:
+            sweep(home, held=True)
+            sweep(home / FIGURES, held=True)
+        finally:
+            lock.free()

@@ -172,6 +172,7 @@ class Result(Estimates):
         *,
         figures: bool = True,
         formats: str | Sequence[str] = ("png",),
+        replace: bool = False,
     ) -> None:
         """Write the result into a directory, which is made where it is not there.
 
@@ -179,8 +180,9 @@ class Result(Estimates):
         and units, and the exact tallies that `refine` goes on from), ``ledger.csv`` and
         ``detectors.csv`` (totals and ladders), ``tally-EFFECT.csv`` for each effect in `tallies`,
         ``recipe.txt`` and ``figures/``. Each file is replaced in one step, and the run's checkpoint
-        there goes. A result that is there already is replaced, but for one with more batches of the
-        same run; other files are left alone.
+        there goes. An earlier result of the same run is replaced, but for one with more batches;
+        that of another scene or of other settings only where `replace` says so. Files that were not
+        written here, or were changed since, are never replaced.
 
         Parameters
         ----------
@@ -190,17 +192,20 @@ class Result(Estimates):
             Whether to draw figures.
         formats : str or sequence of str, optional
             In which formats: one or some of ``"png"``, ``"svg"`` and ``"pdf"``.
+        replace : bool, optional
+            Whether the result of another scene, seed or setting that is there may go.
 
         Raises
         ------
         ArgumentError
             Where a format is another one.
         ResultError
-            Where the directory holds files and no result, or cannot be written.
+            Where the directory holds files and no result, or another's result, or files of these
+            names that were not written here; where a run is writing to it, or it cannot be written.
         """
         from photizon_cl.run.directory import save
 
-        save(self, path, figures=figures, formats=formats)
+        save(self, path, figures=figures, formats=formats, replace=replace)
 
 
 def open_result(path: str | os.PathLike[str]) -> Result:

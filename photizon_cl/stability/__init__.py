@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -57,6 +58,10 @@ def run(arguments: argparse.Namespace) -> int:
     for name in arguments.family:
         if name not in known:
             raise ArgumentError(f"--family: found {name!r}, expected one of: {'; '.join(known)}")
+    if arguments.figure:
+        from photizon_cl.views.figures.style import check_figure
+
+        check_figure(Path(arguments.figure))  # before the minutes that it takes
     rows = stability_report(open_chosen(arguments.device), arguments.family)
     print(table(rows))
     if arguments.figure:

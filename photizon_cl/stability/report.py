@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.atomic import reason
+from photizon_cl.errors import ArgumentError, show
 from photizon_cl.stability import families, families_local, families_mixed, families_round
 from photizon_cl.stability.fresnel import measure_fresnel
 from photizon_cl.stability.measure import Measured, measure
@@ -175,10 +178,18 @@ def write_figure(rows: Sequence[Row], path: str | PathLike[str]) -> None:
     rows : sequence of Row
         The report.
     path : path
-        Where the figure goes; its suffix says the format.
+        Where the figure goes; its suffix says the format, see `photizon_cl.views.figures.FORMATS`.
+
+    Raises
+    ------
+    ArgumentError
+        Where it is another format, the file is no figure that was written here, or cannot be
+        written.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+
+    from photizon_cl.views.figures.style import metadata, replace_figure
 
     figure = Figure(figsize=(11.0, 6.0), layout="constrained")
     FigureCanvasAgg(figure)
@@ -197,4 +208,11 @@ def write_figure(rows: Sequence[Row], path: str | PathLike[str]) -> None:
     )
     axes.grid(axis="y", alpha=0.3)
     axes.legend(loc="upper left")
-    figure.savefig(path, dpi=150)
+    target = Path(path)
+    kind = target.suffix.lower()[1:]
+    try:
+        replace_figure(
+            target, lambda file: figure.savefig(file, format=kind, dpi=150, metadata=metadata(kind))
+        )
+    except OSError as error:
+        raise ArgumentError(f"{show(str(path))} cannot be written ({reason(error)})") from None

@@ -128,7 +128,7 @@ def test_figures_are_drawn_and_old_ones_go(room, sphere, tmp_path):
     assert drawn == both | floor | {"mine.png"}
     assert (tmp_path / "figures" / "map-floor.png").read_bytes().startswith(b"\x89PNG")
     (tmp_path / "notes.txt").write_text("kept")
-    sphere.save(tmp_path)
+    sphere.save(tmp_path, replace=True)
     drawn = {p.name for p in (tmp_path / "figures").iterdir()}
     assert drawn == both | {"far-field.png", "far-field-cuts.png", "mine.png"}
     assert (tmp_path / "notes.txt").exists()
@@ -192,7 +192,7 @@ def test_a_result_that_is_there_is_read_once(room, sphere, tmp_path, monkeypatch
     room.save(tmp_path, figures=False)
     read, seen = result_directory.read_file, []
     monkeypatch.setattr(result_directory, "read_file", lambda f: (seen.append(f.name), read(f))[1])
-    sphere.save(tmp_path, figures=False)
+    sphere.save(tmp_path, figures=False, replace=True)
     assert seen == ["result.nc"]
 
 
@@ -204,6 +204,6 @@ def test_a_failed_write_leaves_the_old_result(room, sphere, tmp_path, monkeypatc
 
     monkeypatch.setattr("photizon_cl.run.directory.write_arrays", fail)
     with pytest.raises(pz.ResultError, match="No space left on device"):
-        sphere.save(tmp_path, figures=False)
+        sphere.save(tmp_path, figures=False, replace=True)
     assert pz.open_result(tmp_path).tally_digest == room.tally_digest
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]

@@ -9,8 +9,10 @@ import tempfile
 
 import pytest
 
+from hostcode.device import kernel_cache
 from hostcode.device.kernel_cache import provide_cache
 from hostcode.errors import CacheWarning
+from photizon_cl.cli.main import main
 
 NAMES = ("HOME", "XDG_CACHE_HOME", "POCL_CACHE_DIR")
 
@@ -22,6 +24,20 @@ def usual(tmp_path, monkeypatch):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
     return tmp_path
+
+
+@pytest.fixture
+def own_place(monkeypatch):
+    """Put back, afterwards, where this process's kernels are; give where they were put."""
+    monkeypatch.setattr(kernel_cache, "_place", kernel_cache.place())
+    monkeypatch.setattr(kernel_cache.atexit, "register", lambda *_: None)
+    monkeypatch.setenv("PYOPENCL_NO_CACHE", "1")
+
+    def where():
+        made = kernel_cache.place()
+        return made.kept, made.running
+
+    return where
 
 
 @pytest.fixture
@@ -40,38 +56,97 @@ def test_a_home_that_cannot_be_written(file, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "absorbed by floor" in done.stdout
     (line,) = done.stderr.splitlines()
-    assert line.startswith(
-        f"photizon: the kernel cache {file}/.cache/pocl/kcache cannot be written"
-    )
+    kept = f"{file}/.cache/photizon_cl/kernels"
+    assert line.startswith(f"photizon: the kernel cache {kept} cannot be written")
     assert "set XDG_CACHE_HOME to a directory that can be written" in line
     assert not list(tmp_path.glob("photizon-cache-*"))
 
 
-def test_nothing_is_made_or_said_where_it_can_be_written(usual):
+def test_nothing_is_said_where_it_can_be_written(usual, own_place):
     provide_cache()
-    assert not list(usual.iterdir())
+    kept, running = own_place()
+    assert kept == usual / ".cache" / "photizon_cl" / "kernels"
+    assert running.parent.parent == kept
+    assert os.environ["POCL_CACHE_DIR"] == str(running)
     assert "XDG_CACHE_HOME" not in os.environ
+    assert kernel_cache.root() == kept  # for the processes that this one starts
 
 
-def test_each_variable_is_seen_to(usual, file, monkeypatch):
+def test_each_variable_is_seen_to(usual, own_place, file, monkeypatch):
     monkeypatch.setenv("POCL_CACHE_DIR", file)
     with pytest.warns(CacheWarning, match="Not a directory.*set POCL_CACHE_DIR to"):
         provide_cache()
+    temporary, _ = own_place()
     assert os.path.isdir(os.environ["POCL_CACHE_DIR"])
+    provide_cache()  # what was put in its place can be written
+    assert own_place()[0] == temporary
+    monkeypatch.setenv("POCL_CACHE_DIR", "")
     monkeypatch.setenv("XDG_CACHE_HOME", file)
-    with pytest.warns(CacheWarning, match=r"file/pytools cannot.*set XDG_CACHE_HOME to"):
+    with pytest.warns(CacheWarning, match=r"/kernels cannot.*set XDG_CACHE_HOME to"):
         provide_cache()
-    provide_cache()  # what was put in their place can be written
 
 
-def test_an_empty_name_is_none(usual, monkeypatch):
+def test_an_empty_name_is_none(usual, own_place, monkeypatch):
     # PoCL aborts the process at it
     monkeypatch.setenv("POCL_CACHE_DIR", "")
     provide_cache()
-    assert "POCL_CACHE_DIR" not in os.environ
+    assert os.environ["POCL_CACHE_DIR"]
+    assert own_place()[0] == usual / ".cache" / "photizon_cl" / "kernels"
 
 
-def test_nowhere_to_write_at_all(usual, file, monkeypatch):
+def test_the_users_own_directory_keeps_the_kernels(usual, own_place, monkeypatch):
+    monkeypatch.setenv("POCL_CACHE_DIR", str(usual / "mine"))
+    provide_cache()
+    assert own_place()[0] == usual / "mine"
+    assert kernel_cache.root() == usual / "mine"
+
+
+def test_what_dead_processes_worked_in_goes(usual, own_place):
+    provide_cache()
+    _, mine = own_place()
+    dead, young = mine.parent / "dead", mine.parent / "young"
+    dead.mkdir()
+    young.mkdir()
+    (dead / "held").write_text("")
+    (dead / "AB").mkdir()
+    provide_cache()
+    assert not dead.exists()
+    assert mine.exists()  # this process holds it
+    assert young.exists()  # about to be held, perhaps
+    os.utime(young, (1.0, 1.0))
+    provide_cache()
+    assert not young.exists()
+
+
+def test_pyopencl_keeps_nothing(device):
+    import pyopencl
+
+    assert pyopencl._PYOPENCL_NO_CACHE  # neither binaries nor code that a flipped bit may change
+
+
+def test_the_verb_shows_and_clears(usual, own_place, monkeypatch, capsys):
+    monkeypatch.setattr(kernel_cache, "_place", None)
+    assert main(["cache"]) == 0
+    kept = usual / ".cache" / "photizon_cl" / "kernels"
+    assert capsys.readouterr().out == (
+        f"compiled kernels: 0 programs, 0.0 MB, kept: {kept}\n"
+        f"self-tests of devices: 0 passes known: {kept.parent}/selftest.json\n"
+    )
+    kept.mkdir(parents=True)
+    (kept / "ab.kernels").write_bytes(bytes(1_500_000))
+    (kept / "notes.txt").write_text("mine")
+    (kept.parent / "selftest.json").write_text('{"passed": {"device": "digest"}}')
+    assert main(["cache"]) == 0
+    assert "1 program, 1.5 MB, kept" in capsys.readouterr().out
+    assert main(["cache", "--clear"]) == 0
+    out = capsys.readouterr().out
+    assert "1 program, 1.5 MB, removed" in out
+    assert "1 pass forgotten" in out
+    assert [p.name for p in kept.iterdir()] == ["notes.txt"]
+    assert not (kept.parent / "selftest.json").exists()
+
+
+def test_nowhere_to_write_at_all(usual, own_place, file, monkeypatch):
     def fail(*_, **__):
         raise OSError(28, "No space left on device")
 

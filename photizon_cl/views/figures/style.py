@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Final, ParamSpec
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from photizon_cl.atomic import reason, replacing, sweep
+from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.text import lit_percent
 from photizon_cl.views.figures.words import fitted, percent, wrapped
 from photizon_cl.views.shown import ShownFigure
@@ -39,6 +41,10 @@ __all__ = [
     "SMALL",
     "WIDTH",
     "Page",
+    "check_figure",
+    "is_figure",
+    "metadata",
+    "replace_figure",
     "sheet",
     "styled",
     "write",
@@ -57,6 +63,9 @@ GRID: Final = "#dddddd"
 BLUE: Final = "#0072b2"
 ORANGE: Final = "#d55e00"
 _WARNING: Final = "#a03c00"
+
+_WHOSE: Final = "photizon_cl"
+"""What marks a figure's file as ours: one without it is not replaced."""
 
 _DPI: Final = {"png": 160, "svg": 300, "pdf": 300}
 _MARGIN: Final = 0.14
@@ -109,12 +118,75 @@ def write(draw: Callable[[], Figure], path: Path, kind: str) -> None:
     kind : str
         One of `FORMATS`.
     """
-    date = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
-    metadata = {date: None} if date else {"Software": "photizon_cl"}
     with _own_settings(), warnings.catch_warnings():
         # A name in a script that the font lacks is drawn as boxes; that is no reason to speak up.
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
-        draw().savefig(path, format=kind, dpi=_DPI[kind], metadata=metadata)
+        draw().savefig(path, format=kind, dpi=_DPI[kind], metadata=metadata(kind))
+
+
+def metadata(kind: str) -> dict[str, str | None]:
+    """Return what to write into a figure's file: whose it is, and nothing of the moment."""
+    if kind == "png":
+        return {"Software": _WHOSE}
+    return {"Creator": _WHOSE, {"svg": "Date", "pdf": "CreationDate"}[kind]: None}
+
+
+def is_figure(path: Path) -> bool:
+    """Say whether a file is a figure that was written with `metadata`."""
+    marks = {
+        ".png": (b"tEXtSoftware\0" + _WHOSE.encode(),),
+        ".svg": (f"<dc:title>{_WHOSE}</dc:title>".encode(),),
+        ".pdf": (f"/Creator ({_WHOSE})".encode(),),
+    }
+    data = path.read_bytes()
+    return any(mark in data for mark in marks.get(path.suffix.lower(), ()))
+
+
+def check_figure(path: Path) -> None:
+    """See that a figure may be drawn into a file: a new one, or one of our figures.
+
+    Raises
+    ------
+    ArgumentError
+        Where it is another one, or not in one of `FORMATS`.
+    """
+    shown = show(str(path))
+    if path.suffix.lower()[1:] not in FORMATS:
+        endings = ", ".join(f".{form}" for form in FORMATS)
+        raise ArgumentError(f"found {shown}, expected a file that ends in {endings}")
+    try:
+        link = path.is_symlink()
+        ours = not link and (not path.exists() or (path.is_file() and is_figure(path)))
+    except (OSError, ValueError) as error:
+        raise ArgumentError(f"{shown} cannot be used ({reason(error)})") from None
+    if not ours:
+        what = "a symbolic link" if link else "no photizon figure"
+        raise ArgumentError(
+            f"{shown} is there and {what}, and is not replaced: give another file, or move it away"
+        )
+
+
+def replace_figure(path: Path, draw: Callable[[Path], object]) -> None:
+    """Draw a figure into a file that is new or one of our figures, in one step.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    draw : callable
+        Writes it, given a path.
+
+    Raises
+    ------
+    ArgumentError
+        Where the file is there and no figure that was written here.
+    OSError
+        Where it cannot be written.
+    """
+    check_figure(path)
+    sweep(path.parent, held=False)
+    with replacing(path) as temporary:
+        draw(temporary)
 
 
 class Page:

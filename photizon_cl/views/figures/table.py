@@ -16,17 +16,17 @@ from photizon_cl.views.figures.ladder_plot import draw_ladder
 from photizon_cl.views.figures.layout_plot import MOST_ELEMENTS, draw_layout
 from photizon_cl.views.figures.ledger_plot import draw_ledger
 from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
-from photizon_cl.views.figures.style import FORMATS, write
+from photizon_cl.views.figures.style import FORMATS, replace_figure, write
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from matplotlib.figure import Figure
 
     from photizon_cl.result.estimates import Estimates
 
-__all__ = ["FIGURES", "Kind", "draw_all", "figure_names", "write_all"]
+__all__ = ["FIGURES", "Kind", "draw_all", "figure_names", "possible_names", "write_all"]
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def draw_all(
     used: set[str] = set()
     for kind in FIGURES:
         for subject in kind.subjects(result):
-            stem = re.sub(r"[^\w+.-]+", "_", "-".join([kind.stem, *subject])).lower()[:100]
+            stem = _stem(kind, *subject)
             name, n = stem, 2
             while name in used:
                 name, n = f"{stem}-{n}", n + 1
@@ -121,6 +121,22 @@ def draw_all(
             for suffix in dict.fromkeys(formats):
                 draw = partial(kind.draw, result, *subject)
                 yield f"{name}.{suffix}", partial(write, draw, kind=suffix)
+
+
+def _stem(kind: Kind, *subject: str) -> str:
+    return re.sub(r"[^\w+.-]+", "_", "-".join([kind.stem, *subject])).lower()[:100]
+
+
+def possible_names(elements: Iterable[str]) -> list[str]:
+    """Return the file names that figures may have of a run that has no batch yet.
+
+    Parameters
+    ----------
+    elements : iterable of str
+        Names of the scene's elements.
+    """
+    subjects = [(), *((name,) for name in elements)]
+    return [f"{_stem(kind, *s)}.{form}" for kind in FIGURES for s in subjects for form in FORMATS]
 
 
 def write_all(
@@ -135,19 +151,19 @@ def write_all(
     result : Result
         The result.
     folder : str or path
-        An existing directory; files of the same names in it are replaced.
+        An existing directory; figures of the same names in it are replaced.
     formats : str or sequence of str, optional
         Of ``"png"``, ``"svg"`` and ``"pdf"``.
 
     Raises
     ------
     ArgumentError
-        Where a format is another one.
+        Where a format is another one, or a file of such a name is no figure that was written here.
     """
     written = []
     for name, draw in draw_all(result, formats):
         written.append(Path(folder) / in_any_locale(name))
-        draw(written[-1])
+        replace_figure(written[-1], draw)
     return written
 
 

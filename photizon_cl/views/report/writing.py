@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.atomic import in_any_locale, reason, replacing
+from photizon_cl.atomic import in_any_locale, reason, replacing, sweep
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.recipe import RecipeText
 from photizon_cl.views.report import figures as drawing
@@ -66,6 +66,7 @@ def write_page(result: Estimates, home: Path, page: Path) -> Written:
     ]
     text = render(result, figures, RecipeText.of(result).token[:_MOST_RECIPE])
     try:
+        sweep(page.parent, held=False)
         with replacing(page) as temporary:
             temporary.write_text(text, encoding="utf-8", errors="replace")
     except OSError as error:
