@@ -129,12 +129,12 @@ class IrradianceMap:
 
     @property
     def slivers(self) -> NDArray[np.bool_]:
-        """Bins that a rim leaves less than half of the largest bin's area, shape (ny, nx).
+        """Bins of less than three quarters of the largest one's area, shape (ny, nx).
 
-        Their values are right, and scatter more than those of whole bins: extremes and scales of
-        colour are taken from the others.
+        A rim or a port cuts them. Their values are right, and scatter more than those of whole
+        bins: extremes and scales of colour are taken from the others.
         """
-        return ~self.masked & (self.area < 0.5 * self.area.max(initial=0.0))
+        return ~self.masked & (self.area < 0.75 * self.area.max(initial=0.0))
 
     @property
     def decisive(self) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from photizon_cl.errors import ArgumentError
 from photizon_cl.views.figures import bins
-from photizon_cl.views.figures.maps import amounts, chosen, whole
+from photizon_cl.views.figures.maps import amounts, chosen
 from photizon_cl.views.figures.scales import colour_norm
 from photizon_cl.views.figures.style import (
     BLUE,
@@ -22,6 +22,7 @@ from photizon_cl.views.figures.style import (
     WIDTH,
     sheet,
     styled,
+    whole,
 )
 from photizon_cl.views.figures.words import powered, scaled
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.figure import Figure
 
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.views.figures import bins
@@ -18,12 +17,13 @@ from photizon_cl.views.figures.scales import (
     log_ticks,
     positive,
 )
-from photizon_cl.views.figures.style import INK, sheet, styled
+from photizon_cl.views.figures.style import INK, sheet, styled, whole
 from photizon_cl.views.figures.words import percent, powered, prefixed, scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from photizon_cl.result.estimates import Estimates
@@ -46,8 +46,8 @@ def draw_irradiance(
     """Draw a detector's irradiance map.
 
     Every bin has the colour of its own value. Bins with fewer than 10 arrivals are hatched instead;
-    bins without any area stay white. Bins that a rim leaves less than half of the largest one's
-    area do not set the scale; where they go beyond it, its bar ends in a point.
+    bins without any area stay white. Bins that a rim leaves less than three quarters of the area of
+    others do not set the scale; where they go beyond it, its bar ends in a point.
 
     Parameters
     ----------
@@ -77,7 +77,9 @@ def draw_irradiance(
     m = _map(result, element)
     scale = colour_norm(m.irradiance[m.decisive], norm, vmin, vmax, peaked=True)
     shown = np.ma.masked_array(m.irradiance, mask=m.hatched | m.masked)
-    notes = [*chosen(scale, norm), *_left_out(m, m.irradiance, scale, "W/m²")]
+    notes = chosen(scale, norm)
+    if vmin is vmax is None:
+        notes += _left_out(m, m.irradiance, scale, "W/m²")
     panel, x, y = _frame(result, element, m, f"irradiance on {element}", notes, ax)
     amounts(panel, x, y, shown, m.hatched, "irradiance", "W/m²", scale)
     _rims(panel.axes, m, x[-1] / m.x_edges[-1])
@@ -134,7 +136,8 @@ def draw_relative_sigma(
     target = result.info.goal.target
     marked = target is not None and _within(target, scale)
     notes = ["mark on the scale: target of the median"] if marked else []
-    notes += _left_out(m, ratio, scale, "%", 100.0)
+    if vmin is vmax is None:
+        notes += _left_out(m, ratio, scale, "%", 100.0)
     what = f"relative σ of irradiance on {element}"
     panel, x, y = _frame(result, element, m, what, notes, ax)
     axes = panel.axes
@@ -189,9 +192,7 @@ def amounts(
         Of the colours.
     """
     axes = panel.axes
-    drawn = bins.paint(
-        axes, x_edges, y_edges, positive(shown, scale), colormaps["viridis"], scale
-    )
+    drawn = bins.paint(axes, x_edges, y_edges, positive(shown, scale), colormaps["viridis"], scale)
     drawn.set_label("values")
     low, high = _limits(scale)
     factor, name = (1.0, unit) if is_log(scale) else powered(max(abs(low), abs(high)), unit)
@@ -215,14 +216,6 @@ def chosen(scale: Normalize, norm: str | Normalize | None) -> list[str]:
     return [f"logarithmic scale: half of the bins are below {percent(PEAKED)} of the highest"]
 
 
-def whole(axes: Axes) -> Figure:
-    """Return the figure that axes are in."""
-    figure: Any = axes.figure
-    while not isinstance(figure, Figure):  # a part of a figure
-        figure = figure.figure
-    return figure
-
-
 def _limits(scale: Normalize) -> tuple[float, float]:
     return float(scale.vmin or 0.0), float(scale.vmax if scale.vmax is not None else 1.0)
 
@@ -237,14 +230,17 @@ def _left_out(
 ) -> list[str]:
     """Return what is said of small bins that go beyond a scale which others set."""
     found = values[m.slivers & m.lit & np.isfinite(values)]
-    beyond = found[found > _limits(scale)[1]]
+    low, high = _limits(scale)
+    beyond = found[(found < low) | (found > high)]
     if not len(beyond):
         return []
-    n = len(beyond)
-    return [
-        f"the scale leaves out {n:,} bin{'s' * (n != 1)} of less than half the area of a whole "
-        f"one, up to {factor * float(beyond.max()):.3g} {unit}"
-    ]
+    said = []
+    if beyond.min() < low:
+        said.append(f"down to {factor * float(beyond.min()):.3g}")
+    if beyond.max() > high:
+        said.append(f"up to {factor * float(beyond.max()):.3g}")
+    n, rim = len(beyond), "that a rim leaves less than three quarters of the area of others"
+    return [f"beyond the scale: {n:,} bin{'s' * (n != 1)} {rim}, {' and '.join(said)} {unit}"]
 
 
 def _map(result: Estimates, element: str) -> IrradianceMap:
@@ -291,7 +287,7 @@ def _frame(
 
 
 def length_unit(m: IrradianceMap) -> tuple[float, str]:
-    """Return the factor and the unit in which the lengths of a map are written, here and in text."""
+    """Return the factor and the unit in which a map's lengths are written, here and in text."""
     lengths = [axis.edges for axis in (m.bins.x.axis, m.bins.y.axis) if axis.units == "m"]
     half = max((float(np.abs(edges).max()) for edges in lengths), default=0.0)
     return prefixed(2.0 * half, "m") if lengths else (1.0, "")

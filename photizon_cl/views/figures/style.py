@@ -11,7 +11,7 @@ import functools
 import math
 import warnings
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final, ParamSpec
+from typing import TYPE_CHECKING, Any, Final, ParamSpec
 
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -23,6 +23,8 @@ from photizon_cl.views.figures.words import fitted, percent, wrapped
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
+
+    from matplotlib.axes import Axes
 
     from photizon_cl.result.estimates import Estimates
 
@@ -37,8 +39,10 @@ __all__ = [
     "SMALL",
     "WIDTH",
     "Page",
+    "judged_by",
     "sheet",
     "styled",
+    "whole",
     "write",
 ]
 
@@ -92,6 +96,14 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
             return draw(*args, **kwargs)
 
     return wrapped
+
+
+def whole(axes: Axes) -> Figure:
+    """Return the figure that axes are in."""
+    figure: Any = axes.figure
+    while not isinstance(figure, Figure):  # a part of a figure
+        figure = figure.figure
+    return figure
 
 
 def write(draw: Callable[[], Figure], path: Path, kind: str) -> None:
