@@ -87,6 +87,9 @@ def draw_convergence(result: Estimates) -> Figure:
         _finish(axes)
         if field == "seconds" and axes.get_xlim()[0] > 1e-4 and axes.get_xlim()[1] < 1e5:
             axes.xaxis.set_major_formatter(scaled(1.0))
+    if not known.any():
+        both[0].set_yscale("linear")
+        both[0].set_yticks([])
     both[0].set_ylabel("median relative σ in %", fontsize=LABEL)
     handles, labels = both[0].get_legend_handles_labels()
     if handles:
@@ -103,11 +106,8 @@ def _draw(axes: Any, x: NDArray[np.float64], sigma: NDArray[np.float64]) -> None
     axes.set_xscale("log")
     axes.set_yscale("log")
     if not len(x):
-        # Ticks would be made up, as would a target among them.
         axes.set_xscale("linear")
-        axes.set_yscale("linear")
-        axes.set_xticks([])
-        axes.set_yticks([])
+        axes.set_xticks([])  # they would be made up
         axes.text(
             0.5, 0.5, "no wave has a σ above zero", transform=axes.transAxes, ha="center",
             fontsize=LABEL, color=QUIET,
