@@ -134,7 +134,8 @@ class IrradianceMap:
         A rim or a port cuts them. Their values are right, and scatter more than those of whole
         bins: extremes and scales of colour are taken from the others.
         """
-        return ~self.masked & (self.area < 0.75 * self.area.max(initial=0.0))
+        small = self.area < 0.75 * self.area.max(initial=0.0)
+        return np.asarray(~self.masked & small)
 
     @property
     def decisive(self) -> NDArray[np.bool_]:

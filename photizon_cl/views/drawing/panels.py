@@ -21,8 +21,9 @@ _BOTTOM: Final = 0.46
 _RIGHT: Final = 0.12
 _LONGER: Final = 1.3
 """A scene so many times longer in z than across lies on its side, as on an optical bench."""
-_CELL: Final = 1.15  # inches that a panel's title needs at least
-_LAST: Final = 1.65  # and that of the last one, beside which no other leaves room, and the key
+_CELL: Final = 1.5  # inches that a panel's title needs at least, with the gap behind it
+_LAST: Final = 1.65  # and that of the last one, behind which there is none, and the key
+_LONG: Final = 2.25  # and those of titles that say that a panel is not to scale
 _ACROSS: Final = 0.13  # part of the width that the larger dimension across a long scene gets
 _THIN: Final = 0.35  # and any dimension
 
@@ -59,7 +60,8 @@ class Arrangement:
     def width(self) -> float:
         """Inches that panels and rest take."""
         left, _, last, _ = self.places[2]
-        return max(left + max(last, _LAST), self.rest[0] + self.rest[2]) + _RIGHT
+        least = _LAST if self.to_scale(*self.views[2]) else _LONG
+        return max(left + max(last, least), self.rest[0] + self.rest[2]) + _RIGHT
 
     def to_scale(self, h: int, v: int) -> bool:
         """Say whether a panel has one scale along both axes."""
@@ -124,7 +126,7 @@ def _row(
     places, left = [], _LEFT
     for w, h in sizes:
         places.append((left, _BOTTOM + tallest - h, w, h))
-        left += max(w, _CELL) + _LEFT + _RIGHT
+        left += max(w, _CELL - 0.3) + _LEFT + _RIGHT
     return places, (_LEFT, 0.0, width - _LEFT - 2.0 * _RIGHT, 0.0), _BOTTOM + tallest + _TOP
 
 

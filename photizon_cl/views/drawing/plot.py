@@ -84,7 +84,9 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
         return left / width, (below + bottom) / height, w / width, h / height
 
     draw_sections(figure, inches, panels, scene, box, rays, colours)
-    space = figure.add_axes(inches(*panels.rest), projection="3d")
+    left, low, across, up = panels.rest
+    # its labels stand outside of it, on the right
+    space = figure.add_axes(inches(left - 0.5, low, across + 0.1, up), projection="3d")
     _draw_space(space, scene, box, rays, colours, panels.lying)
     if bar is not None:
         place = (0.3, (_FOOT + 0.4) / height, 0.4, 0.13 / height)

@@ -75,7 +75,8 @@ def colour_key(figure: Figure, bar: ScalarMappable, label: str, axes: Axes) -> N
     made.set_label(label, fontsize=8)
     made.ax.tick_params(labelsize=8)
     if not isinstance(bar.norm, LogNorm):
-        most = int(bar.norm.vmax or 0)
+        norm: Any = bar.norm
+        most = int(norm.vmax or 0)
         # On a scale of roots the ticks of a straight one crowd at the end.
         room = max(int(axes.get_window_extent().width / figure.dpi / 0.4), 2)
         room = room if isinstance(bar.norm, BoundaryNorm) else min(room // 2 + 1, 6)
@@ -130,10 +131,12 @@ def draw_sections(
         if panels.to_scale(h, v):
             axes.set_aspect("equal", anchor="NW")
         else:
-            axes.set_title(axes.get_title(loc="left") + ", not to scale", loc="left", **_TITLE)
+            said = axes.get_title(loc="left").replace(" section", "") + ", not to scale"
+            axes.set_title(said, loc="left", **_TITLE)
         for axis, length, room in ((axes.xaxis, place[2], 0.55), (axes.yaxis, place[3], 0.3)):
             most = min(max(int(length / room), 1), 8)
-            axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
+            steps = [1, 2, 2.5, 5, 10]
+            axis.set_major_locator(MaxNLocator(most, steps=steps, min_n_ticks=min(most, 2)))
 
 
 def draw_section(

@@ -167,7 +167,7 @@ def draw_far_field_cuts(result: Estimates, planes: Sequence[float] = (0.0, 90.0)
     for text in axes.get_yticklabels():
         text.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8})
     legend = page.figure.legend(
-        loc="upper left", fontsize=SMALL, frameon=False, title=f"radius: intensity in {unit}",
+        loc="upper left", fontsize=SMALL, frameon=False, title=f"radius: intensity\nin {unit}",
         title_fontsize=LABEL, alignment="left", handlelength=2.0, labelspacing=0.9,
         bbox_to_anchor=((0.45 + side + 0.42) / WIDTH, axes.get_position().y1),
     )  # fmt: skip
@@ -213,7 +213,7 @@ def _said(far: FarFieldResult, plane: float) -> str:
     for where, phi in (("right", plane), ("left", plane + 180.0)):
         k = column(far, phi)
         low, high = 360.0 * k / n, 360.0 * (k + 1) / n
-        sides.append(f"{where}: φ = {low:.6g}°–{high:.6g}°")
+        sides.append(f"{where}: φ = {low:.5g}°–{high:.5g}°")
     return "\n".join(sides)
 
 

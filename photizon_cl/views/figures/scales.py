@@ -93,8 +93,12 @@ def colour_norm(
         _ascending(low, high)
         return LogNorm(low, high)
     low = 0.0 if vmin is None else vmin
-    high = (top if top > low else low + 1.0) if vmax is None and vmin is None else vmax
-    high = top if high is None else high
+    if vmax is not None:
+        high = vmax
+    elif len(values) and vmin is not None:
+        high = top
+    else:  # where nothing is coloured, any scale will do
+        high = top if top > low else low + 1.0
     _ascending(low, high)
     return Normalize(low, high)
 
