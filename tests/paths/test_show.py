@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import combinations, pairwise
+
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
+from photizon_cl.views.drawing.panels import arrange
 from photizon_cl.views.drawing.plot import draw_scene
-from photizon_cl.views.drawing.view import bounding_box, shown_rays
+from photizon_cl.views.drawing.sections import colour_key, ray_colours
+from photizon_cl.views.drawing.view import ShownRays, bounding_box, shown_rays
 
 
 @pytest.fixture
@@ -115,6 +121,78 @@ def test_bad_input(arguments, message, run, tmp_path, monkeypatch):
     assert message in err
     assert "Traceback" not in err
     assert not list(tmp_path.iterdir())
+
+
+# -- what an art editor looks for ----------------------------------------------------------------
+
+PRESETS = ["baffled-tube", "box-room", "cassegrain", "cosine-fourth", "ghost-ladder",
+           "plano-convex-condenser", "square-lightpipe"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("space", [0.0, 3.0])
+def test_sections_fill_their_page_and_are_to_one_scale(name, space):
+    box = bounding_box(pz.load(name))
+    width = 11.0 if space else 7.0
+    panels = arrange(box, width, 8.0, space=space)
+    assert 0.8 * width < panels.width <= width + 1e-9 or panels.height > 7.99
+    assert panels.height <= 8.0 + 1e-9
+    for (h, v), (left, bottom, across, up) in zip(panels.views, panels.places, strict=True):
+        assert left > 0.5  # room for ticks and label
+        assert bottom > 0.4
+        assert across == pytest.approx(panels.scales[h] * box.extent[h])
+        assert up == pytest.approx(panels.scales[v] * box.extent[v])
+    for one, other in combinations([*panels.places, panels.rest], 2):
+        clear = one[0] + one[2] <= other[0] or other[0] + other[2] <= one[0]
+        clear = clear or one[1] + one[3] <= other[1] or other[1] + other[3] <= one[1]
+        assert clear
+    true = [panels.to_scale(h, v) for h, v in panels.views]
+    assert true[2]
+    assert all(true) is (name != "square-lightpipe")  # twenty times longer than wide
+    if not space:  # two thirds of what is left beside labels and key
+        used = sum(w * h for _, _, w, h in panels.places)
+        assert used > (0.25 if panels.lying else 0.3) * width * panels.height
+
+
+@pytest.mark.parametrize("most", [1, 2, 7, 11, 12, 30, 300])
+@pytest.mark.parametrize("inches", [1.2, 4.0])
+def test_the_scale_of_generations_has_whole_numbers_only(most, inches):
+    rays = ShownRays(np.zeros((most + 1, 3)), np.ones((most + 1, 3)), np.ones(most + 1),
+                     np.arange(most + 1), 0)  # fmt: skip
+    _, bar, label = ray_colours(rays, "generation")
+    figure = Figure(figsize=(6.0, 1.0))
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.1, 0.5, inches / 6.0, 0.2))
+    colour_key(figure, bar, label, axes)
+    figure.canvas.draw()
+    shown = [text for text in axes.get_xticklabels() if text.get_text()]
+    assert 1 <= len(shown) <= most + 1
+    assert all(str(int(text.get_text())) == text.get_text() for text in shown)
+    boxes = [text.get_window_extent() for text in shown]
+    assert not any(a.overlaps(b) for a, b in pairwise(boxes))
+
+
+def test_lens_faces_are_drawn_alike_in_both_sections():
+    lens = pz.Biconvex(
+        name="lens", position=(0, 0, 0), axis="+z", surface=pz.Fresnel(index=1.5),
+        front_radius=0.06, back_radius=0.09, aperture_radius=0.02,
+    )  # fmt: skip
+    lamp = pz.CollimatedDisk(name="lamp", flux=1.0, position=(0, 0, -0.1), axis="+z", radius=0.01)
+    figure = draw_scene(pz.paths(pz.Scene(name="lens", source=(lamp,), element=(lens,)), rays=3))
+
+    def outlines(axes):
+        lines = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 2.2]
+        filled = [
+            patch.get_path().vertices for patch in axes.patches if patch.get_path().vertices.size
+        ]
+        return lines, filled
+
+    (lines_xz, filled_xz), (lines_yz, filled_yz) = (outlines(axes) for axes in figure.axes[:2])
+    assert len(lines_xz) == len(lines_yz) >= 2
+    for a, b in zip(lines_xz, lines_yz, strict=True):
+        order = [np.lexsort(np.round(line, 6).T) for line in (a, b)]
+        np.testing.assert_allclose(a[order[0]], b[order[1]], atol=1e-6)
+    assert len(filled_xz) == len(filled_yz) > 0
 
 
 def arrows(scene):

@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.statistics import LIT_COUNT
@@ -135,12 +135,12 @@ def _draw(axes: Axes, ladder: tuple[Rung, ...], emitted: float) -> None:
             0.5, 0.5, "nothing arrived", transform=axes.transAxes, ha="center", fontsize=LABEL,
             color=QUIET,
         )  # fmt: skip
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=16, integer=True, min_n_ticks=1))
-    axes.xaxis.set_major_formatter(
-        FuncFormatter(
-            lambda x, _: "" if x > last else f"≥ {last}" if round(x) == last else f"{x:.0f}"
-        )
-    )
+    places = MaxNLocator(16, integer=True, min_n_ticks=1).tick_values(0, max(across, 1))
+    ticks = [int(place) for place in places if 0 <= place <= across]
+    if across == last:  # it collects, and is always named; its neighbour yields where it is close
+        apart = 0.6 * (ticks[1] - ticks[0]) if len(ticks) > 1 else 0.0
+        ticks = [*(tick for tick in ticks if tick < last - apart), last]
+    axes.set_xticks(ticks, [f"≥ {tick}" if tick == last else f"{tick}" for tick in ticks])
     axes.set_xlabel("generation: surface interactions before the arrival", fontsize=LABEL)
     axes.set_ylabel("power in W", fontsize=LABEL)
     beside: Any = axes.secondary_yaxis("right", functions=parts_of(emitted))
