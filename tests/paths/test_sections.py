@@ -220,7 +220,7 @@ POSES = [("+z", (0.0, 0.0), 0.0), ("-x", (0.0, 0.0), 0.0), ("+y", (90.0, 0.0), 0
 _RANDOM = np.random.default_rng(5)
 POSES += [
     (AXES[_RANDOM.integers(6)], tuple(_RANDOM.uniform(-90.0, 90.0, 2)), _RANDOM.uniform(-0.8, 0.8))
-    for _ in range(9)
+    for _ in range(5)
 ]
 
 
@@ -243,8 +243,11 @@ def test_every_face_crosses_every_section_that_cuts_it(number):
                 at = 0.5 * (low + high) + 0.5 * beside * (high - low)
                 if beside == 0.0:
                     at = element.position[across] if low < element.position[across] < high else at
-                points = crossings(world, world[..., across] - at)
+                heights = world[..., across] - at
+                along = crossings(world, heights)
+                points = np.vstack([along, crossings(world.swapaxes(0, 1), heights.T)])
                 assert len(points)
+                points = points[:: max(len(points) // 50, 1)]
                 lines = cut(element, across, float(at))
                 assert lines, (face.name, axis, tilt, "xyz"[across])
                 gap = np.min([distance(points, line) for line in lines if len(line) > 1], axis=0)

@@ -172,6 +172,12 @@ def test_the_scale_of_generations_has_whole_numbers_only(most, inches):
     assert not any(a.overlaps(b) for a, b in pairwise(boxes))
 
 
+def area(loop):
+    """Return what a closed curve encloses."""
+    x, y = loop.T
+    return 0.5 * abs(float(x[:-1] @ np.diff(y) - y[:-1] @ np.diff(x)))
+
+
 def test_lens_faces_are_drawn_alike_in_both_sections():
     lens = pz.Biconvex(
         name="lens", position=(0, 0, 0), axis="+z", surface=pz.Fresnel(index=1.5),
@@ -182,9 +188,8 @@ def test_lens_faces_are_drawn_alike_in_both_sections():
 
     def outlines(axes):
         lines = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 2.2]
-        filled = [
-            patch.get_path().vertices for patch in axes.patches if patch.get_path().vertices.size
-        ]
+        bodies = [patch.get_path().vertices for patch in axes.patches]
+        filled = [area(body) for body in bodies if len(body) > 2]
         return lines, filled
 
     (lines_xz, filled_xz), (lines_yz, filled_yz) = (outlines(axes) for axes in figure.axes[:2])
@@ -192,22 +197,32 @@ def test_lens_faces_are_drawn_alike_in_both_sections():
     for a, b in zip(lines_xz, lines_yz, strict=True):
         order = [np.lexsort(np.round(line, 6).T) for line in (a, b)]
         np.testing.assert_allclose(a[order[0]], b[order[1]], atol=1e-6)
-    assert len(filled_xz) == len(filled_yz) > 0
+    # The glass is one body: both of its caps together.
+    (glass,) = filled_xz
+    assert filled_yz == [pytest.approx(glass)]
+    y = np.linspace(-0.02, 0.02, 20001)
+    sag = np.sqrt(0.06**2 - y**2) + np.sqrt(0.09**2 - y**2)
+    across = 1e6 * np.trapezoid(sag - sag[0], y)  # mm²
+    assert glass == pytest.approx(across, rel=1e-3)
 
 
 def arrows(scene):
-    """Return the arrows of the three sections: axes, their direction in the panel's coordinates."""
+    """Return the arrows of the sections: axes, direction in their coordinates and on paper."""
     figure = draw_scene(pz.paths(scene, rays=4))
+    figure.canvas.draw()
     found = []
     for axes in figure.axes:
         for text in axes.texts:
             if getattr(text, "arrow_patch", None) is not None:
                 ends = np.array([text.xyann, text.xy])
-                found.append((axes.get_xlabel()[0] + axes.get_ylabel()[0], ends[1] - ends[0]))
+                panel = axes.get_xlabel()[0] + axes.get_ylabel()[0]
+                true = axes.get_aspect() == 1.0
+                paper = np.diff(axes.transData.transform(ends), axis=0)[0] if true else None
+                found.append((panel, ends[1] - ends[0], paper))
     return found
 
 
-@pytest.mark.parametrize("tilt", [(30.0, 0.0), (0.0, 30.0), (20.0, 50.0)])
+@pytest.mark.parametrize("tilt", [(30.0, 0.0), (0.0, 30.0), (20.0, 50.0), (-140.0, 75.0)])
 @pytest.mark.parametrize("length", [0.1, 1.0, 3.0])
 def test_an_arrow_has_the_angle_of_the_beam(tilt, length):
     """However long the scene is beside its width."""
@@ -218,10 +233,14 @@ def test_an_arrow_has_the_angle_of_the_beam(tilt, length):
                         half_width=1.0, half_height=0.5)  # fmt: skip
     shown = arrows(pz.Scene(name="tilted", source=(beam,), element=(stop,)))
     assert shown
-    for panel, drawn in shown:
+    for panel, drawn, paper in shown:
         along = np.array([beam.frame[2]["xyz".index(name)] for name in panel])
         assert drawn @ along > 0.0
         assert abs(drawn[0] * along[1] - drawn[1] * along[0]) < 1e-9 * np.hypot(*drawn)
+        if paper is not None:
+            angle = np.degrees(np.arctan2(*paper) - np.arctan2(*along))
+            assert abs((angle + 180.0) % 360.0 - 180.0) < 1e-3
+    assert length > 1.0 or all(paper is not None for _, _, paper in shown)
 
 
 @pytest.mark.parametrize(("side", "sign"), [("front", 1.0), ("back", -1.0)])
@@ -231,5 +250,5 @@ def test_a_detector_looks_to_the_side_that_it_counts(side, sign):
                     detector=pz.Detector(side=side))  # fmt: skip
     shown = arrows(pz.Scene(name="sides", source=(lamp,), element=(plate,)))
     assert len(shown) == 2
-    for panel, drawn in shown:
+    for panel, drawn, _ in shown:
         assert drawn[panel.index("z")] * sign > 0.0

@@ -157,10 +157,12 @@ def draw_section(
     axes.add_collection(LineCollection(list(ends), colors=colours, linewidths=0.8, zorder=2.0))
     for element in scene.element:
         colour = colour_of(element)
-        for line in cut(element, across, float(box.centre[across])):
-            x, y = line[:, h] * scale, line[:, v] * scale
-            if element.surface.refracts and len(line) > 2:
-                axes.fill(x, y, color=colour, alpha=0.22, linewidth=0.0, zorder=1.5)
+        lines = [line[:, pair] for line in cut(element, across, float(box.centre[across]))]
+        for loop in _loops(lines) if element.surface.refracts else []:
+            x, y = loop.T * scale
+            axes.fill(x, y, color=colour, alpha=0.22, linewidth=0.0, zorder=1.5)
+        for line in lines:
+            x, y = line.T * scale
             axes.plot(x, y, color=colour, linewidth=2.2, solid_capstyle="butt", zorder=3.0)
         if element.detector is not None and element.flat:
             sign = 1.0 if element.detector_plus else -1.0
@@ -178,6 +180,25 @@ def draw_section(
     axes.set_title(title.replace("-", "−") + f" {box.unit}", loc="left", **_TITLE)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+
+
+def _loops(lines: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    """Return the closed curves among polylines that are joined end to end: bodies that are cut."""
+    left, found = list(lines), []
+    while left:
+        chain = left.pop()
+        slack = 1e-6 * float(np.ptp(chain, axis=0).max())
+        while np.hypot(*(chain[-1] - chain[0])) > slack:
+            ends = [(k, line[::way]) for k, line in enumerate(left) for way in (1, -1)]
+            nearest = min(ends, key=lambda end: np.hypot(*(end[1][0] - chain[-1])), default=None)
+            if nearest is None or np.hypot(*(nearest[1][0] - chain[-1])) > slack:
+                break  # a sheet, which has no inside
+            chain = np.vstack([chain, nearest[1]])
+            left.pop(nearest[0])
+        else:
+            if len(chain) > 2:
+                found.append(chain)
+    return found
 
 
 def _draw_source(axes: Axes, box: Box, source: Any, h: int, v: int) -> None:
