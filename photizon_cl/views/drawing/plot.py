@@ -156,7 +156,8 @@ def _draw_space(
         limits = (box.low[axis] * scale, box.high[axis] * scale)
         getattr(axes, f"set_{name}lim")(*limits)
         getattr(axes, f"set_{name}label")(f"{name} in {box.unit}", fontsize=9, labelpad=3)
-        getattr(axes, f"{name}axis").set_major_locator(_few_ticks())
+        few = 4 if box.extent[axis] > 0.4 * box.extent.max() else 2
+        getattr(axes, f"{name}axis").set_major_locator(_few_ticks(few))
         getattr(axes, f"{name}axis").set_pane_color((1.0, 1.0, 1.0, 0.0))
         getattr(axes, f"{name}axis")._axinfo["grid"].update(color="#e4e4e4", linewidth=0.5)
     axes.tick_params(labelsize=7.5, pad=0)
@@ -168,7 +169,7 @@ def _draw_space(
     axes.set_box_aspect(aspect, zoom=1.12 if lying else 0.95)
 
 
-def _few_ticks() -> Any:
+def _few_ticks(most: int) -> Any:
     from matplotlib.ticker import MaxNLocator
 
-    return MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
+    return MaxNLocator(most, steps=[1, 2, 2.5, 5, 10])

@@ -242,7 +242,8 @@ def _state(result: Estimates, own: tuple[str, float | None] | None) -> list[str]
     what, sigma = own
     if sigma is None:
         return [f"{start} · {what} unknown", f"the run: {run}"]
-    if sigma == achieved:  # what the run is judged by is what is shown
+    if achieved is not None and math.isclose(sigma, achieved, rel_tol=1e-9):
+        # what the run is judged by is what is shown
         return [f"{start} · {what} {percent(sigma)}{aim}"]
     return [f"{start} · {what} {percent(sigma)}", f"the run: {run}"]
 
