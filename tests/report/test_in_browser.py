@@ -33,8 +33,7 @@ BROKEN = {
     "no caption of a figure": ("<figcaption>It</figcaption>", "", "figure without caption"),
     "unequal widths": (
         "<table>",
-        f'<figure><img src="{PIXEL}" alt="b" width="200" height="300"><figcaption>It</figcaption>'
-        "</figure><table>",
+        f'<figure><img src="{PIXEL}" alt="b" width="200"><figcaption></figcaption></figure><table>',
         "figures of unequal widths: 300, 200 px",
     ),
     "logged error": ("</main>", "<script>console.error('x')</script></main>", "console error: x"),
