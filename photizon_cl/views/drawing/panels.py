@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.views.drawing.view import Box
 
-    Rectangle = tuple[float, float, float, float]
+    Place = tuple[float, float, float, float]
     """Left, bottom, width and height in inches."""
 
 __all__ = ["Arrangement", "arrange"]
@@ -36,9 +36,9 @@ class Arrangement:
     ----------
     views : tuple of (int, int)
         World axes of each panel: to the right and up.
-    places : tuple of rectangles
+    places : tuple of Place
         The panels' axes, from the lower left corner of all.
-    rest : rectangle
+    rest : Place
         Room for a key or for a view in space.
     height : float
         Inches in all.
@@ -50,8 +50,8 @@ class Arrangement:
     """
 
     views: tuple[tuple[int, int], ...]
-    places: tuple[Rectangle, ...]
-    rest: Rectangle
+    places: tuple[Place, ...]
+    rest: Place
     height: float
     lying: bool
     scales: tuple[float, float, float]
@@ -120,7 +120,7 @@ def _scales(
 
 def _row(
     sizes: list[tuple[float, float]], width: float, _: float
-) -> tuple[list[Rectangle], Rectangle, float]:
+) -> tuple[list[Place], Place, float]:
     """Place three panels side by side, their tops in line, and a strip below them."""
     tallest = max(h for _, h in sizes)
     places, left = [], _LEFT
@@ -132,7 +132,7 @@ def _row(
 
 def _corner(
     sizes: list[tuple[float, float]], _: float, space: float
-) -> tuple[list[Rectangle], Rectangle, float]:
+) -> tuple[list[Place], Place, float]:
     """Place two panels in a column and the third beside the first, with the rest below it."""
     (w1, h1), (w2, h2), (w3, h3) = sizes
     first = max(h1, h3)

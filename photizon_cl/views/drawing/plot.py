@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.paths import Paths
     from photizon_cl.scene.model import Scene
-    from photizon_cl.views.drawing.panels import Rectangle
+    from photizon_cl.views.drawing.panels import Place
 
 __all__ = ["draw_scene"]
 
@@ -80,7 +80,7 @@ def draw_scene(found: Paths, by: str = "generation") -> Figure:
     figure = Figure(figsize=(width, height), facecolor="white")
     FigureCanvasAgg(figure)
 
-    def inches(left: float, bottom: float, w: float, h: float) -> Rectangle:
+    def inches(left: float, bottom: float, w: float, h: float) -> Place:
         return left / width, (below + bottom) / height, w / width, h / height
 
     draw_sections(figure, inches, panels, scene, box, rays, colours)

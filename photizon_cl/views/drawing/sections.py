@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
-    from photizon_cl.views.drawing.panels import Arrangement, Rectangle
+    from photizon_cl.views.drawing.panels import Arrangement, Place
 
 __all__ = ["colour_key", "draw_section", "draw_sections", "legend_handles", "ray_colours"]
 
@@ -114,7 +114,7 @@ def legend_handles(scene: Scene) -> list[Line2D]:
 
 def draw_sections(
     figure: Figure,
-    inches: Callable[[float, float, float, float], Rectangle],
+    inches: Callable[[float, float, float, float], Place],
     panels: Arrangement,
     scene: Scene,
     box: Box,

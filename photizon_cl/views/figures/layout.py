@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.paths import Paths
-    from photizon_cl.views.drawing.panels import Rectangle
+    from photizon_cl.views.drawing.panels import Place
 
 __all__ = ["MOST_ELEMENTS", "draw_layout"]
 
@@ -70,7 +70,7 @@ def draw_layout(result: Estimates, paths: Paths | None = None) -> Figure:
     page = sheet(result, f"scene: {parts}", panels.height + strip + 0.05, notes)
     bottom = page.body - panels.height  # what rounding up leaves is below
 
-    def inches(left: float, up: float, w: float, h: float) -> Rectangle:
+    def inches(left: float, up: float, w: float, h: float) -> Place:
         return page.place(left, bottom + up, w, h)
 
     draw_sections(page.figure, inches, panels, scene, box, rays, colours)
