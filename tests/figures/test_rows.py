@@ -142,7 +142,8 @@ def test_ledger_and_ladder_are_drawn_into_axes_of_ones_own(ladder):
     left, right = figure.subplots(1, 2)
     assert draw_ledger(ladder, ax=left) is draw_ladder(ladder, "t", ax=right) is figure
     assert texts(left.yaxis) == [name for name, _ in ladder.ledger.rows()]
-    assert len(dots(right)[0]) == 5
+    known = [rung for rung in ladder.detectors["t"].ladder if rung.count >= 10]
+    np.testing.assert_array_equal(dots(right)[1], [rung.value for rung in known])
     assert not figure.texts
     figure.canvas.draw()
 
