@@ -90,8 +90,10 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
     verdict = "met" if result.converged else "not met"
     out.print()
     text = f"median relative σ {sigma}, target {result.target_sigma:.3g} {verdict}"
-    if result.lit_fraction is not None:
-        text += f"; {lit_percent(result.lit_fraction)} of the bins lit"
+    if result.least_lit is not None:
+        name, lit, maps = result.least_lit
+        text += f"; {lit_percent(lit)} of the bins lit"
+        text += f" on {name}, the least of {maps} maps" if maps > 1 else ""
     out.print(paragraph(text, ""), soft_wrap=True)
     far = None if result.far_field is None else result.far_field.median_sigma
     if far is not None:

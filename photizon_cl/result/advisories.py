@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.errors import show
 from photizon_cl.result.stopping import LEAST_BATCHES
 from photizon_cl.result.text import lit_percent
 
@@ -76,9 +77,12 @@ def _capped(result: Estimates) -> Iterator[str]:
 
 
 def _unlit(result: Estimates) -> Iterator[str]:
-    lit = result.lit_fraction
-    if lit is not None and lit < _LIT:
-        yield (
-            f"only {lit_percent(lit)} of the map bins carry at least 10 rays, and σ is the median "
-            "over those alone; run longer or take coarser bins"
-        )
+    worst = result.least_lit
+    if worst is None or worst[1] >= _LIT:
+        return
+    name, lit, maps = worst
+    least = f", the least of {maps} maps" if maps > 1 else ""
+    yield (
+        f"only {lit_percent(lit)} of the map bins carry at least 10 rays on {show(name)}{least}, "
+        "and σ is the median over those alone; run longer or take coarser bins"
+    )

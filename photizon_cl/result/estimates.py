@@ -201,6 +201,16 @@ class Estimates:
         return sum(int(np.count_nonzero(m.lit)) for m in maps) / bins if bins else None
 
     @cached_property
+    def least_lit(self) -> tuple[str, float, int] | None:
+        """Map with the least part of its bins lit: element, that part, and how many maps there are.
+
+        None where the scene has no map. Of several maps a fine one would hide a coarse one in
+        `lit_fraction`, which is over all of them.
+        """
+        maps = [(d.map.lit_fraction, name) for name, d in self.detectors.items() if d.map]
+        return (*min(maps)[::-1], len(maps)) if maps else None
+
+    @cached_property
     def advisories(self) -> tuple[str, ...]:
         """What deserves a second look: of the run, then of the scene."""
         return (*run_advisories(self), *advisories(self.scene))

@@ -147,6 +147,30 @@ class IrradianceMap:
         """Part of the bins with an area that have at least 10 arrivals."""
         return float(self.lit.sum() / max((~self.masked).sum(), 1))
 
+    @property
+    def slivers(self) -> NDArray[np.bool_]:
+        """Bins of less than three quarters of the largest one's area, shape (ny, nx).
+
+        A rim or a port cuts them. Their values are right, and scatter more than those of whole
+        bins: extremes and scales of colour are taken from the others.
+        """
+        small = self.area < 0.75 * self.area.max(initial=0.0)
+        return np.asarray(~self.masked & small)
+
+    @property
+    def decisive(self) -> NDArray[np.bool_]:
+        """Bins that extremes are taken from, shape (ny, nx): lit, slivers only if no other is."""
+        whole = self.lit & ~self.slivers
+        return whole if whole.any() else self.lit
+
+    @property
+    def median_sigma(self) -> float | None:
+        """Median relative standard error of the lit bins; None with a single batch or none lit."""
+        lit = self.lit
+        if not lit.any() or np.isnan(self.sigma[lit]).any():
+            return None
+        return float(np.median(self.sigma[lit] / self.irradiance[lit]))
+
     def summary(self) -> dict[str, Any]:
         """Return what the summary says of the map."""
         ny, nx = self.count.shape

@@ -18,7 +18,8 @@ from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, tally_csv
 from photizon_cl.result.estimates import RESULT_SCHEMA
 from photizon_cl.result.file import read_scene_text
 from photizon_cl.result.recipe import RecipeText
-from photizon_cl.scene.files import load, to_toml
+from photizon_cl.scene.files import load
+from photizon_cl.scene.writing import to_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -14,15 +14,20 @@ from matplotlib.text import Text
 from photizon_cl.cli.outcome import print_result
 from photizon_cl.cli.tables import console
 from photizon_cl.errors import ArgumentError
+from photizon_cl.result.stopping import Goal
 from photizon_cl.views.figures import (
     FIGURES,
     draw_all,
+    draw_far_field,
+    draw_far_field_cuts,
     draw_irradiance,
+    draw_ladder,
     draw_layout,
     figure_names,
     write_all,
 )
 from photizon_cl.views.figures.words import fitted, inches, prefixed
+from photizon_cl.views.report.story import key_figures
 
 HISTORY = ((2, 0.1, 0.3), (4, 0.2, 0.2))
 LONG = "A title $x^2$ \\ that is much longer than a page is wide, " * 6
@@ -66,6 +71,23 @@ def awkward(which):
     return with_history(make(scene, poisson(mean), batches))
 
 
+def crowded(axes):
+    """Return pairs of tick labels that are in each other's way."""
+    found = []
+    flat = [axes, *axes.child_axes] if axes.name == "rectilinear" else []
+    for each in flat:
+        for axis, low, high in (
+            (each.xaxis, *sorted(each.get_xlim())), (each.yaxis, *sorted(each.get_ylim()))
+        ):  # fmt: skip
+            ticks = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
+            for text in ("label1", "label2"):
+                said = [t for t in (getattr(tick, text) for tick in ticks)
+                        if t.get_visible() and t.get_text()]  # fmt: skip
+                boxes = [t.get_window_extent() for t in said]
+                found += [(a, b) for a, b in pairwise(boxes) if a.overlaps(b)]
+    return found
+
+
 CASES = ["long names", "tall", "zero", "single batch", "no detector", "no element", "many"]
 
 
@@ -100,6 +122,8 @@ def test_nothing_is_cut_off_and_nothing_in_anothers_way(which, drawn):
         # notes beside a plot stand above the footer, which begins at the page's edge
         foot = max(b.y1 for b in lines if b.y1 < 0.5 * page.y1 and b.x0 < 0.05 * page.x1)
         assert min(box.y0 for box in boxes) >= foot, name
+        for axes in figure.axes:
+            assert not crowded(axes), name
         for a, b in pairwise(sorted(lines, key=lambda box: -box.y1)):
             assert not (a.overlaps(b)), name
 
@@ -171,6 +195,56 @@ def test_the_warning_is_not_rounded_away():
 
     made = make(tables(rectangle(name="t", detector={"map": [100, 100]})), counts, 1)
     assert "Warning: only 49.9 %" in footer(draw_irradiance(made, "t"))
+
+
+def test_every_figure_leads_with_its_own_sigma(result):
+    run = f"median relative σ {100.0 * result.achieved_sigma:.3g} % over all maps"
+    far = result.far_field
+    lit = far.count >= 10
+    own = 100.0 * float(np.median(far.sigma[lit] / far.intensity[lit]))
+    for draw in (draw_far_field, draw_far_field_cuts):
+        text = footer(draw(result))
+        assert f"median relative σ of the far field's lit bins {own:.3g} %" in text
+        assert text.index("far field's lit bins") < text.index(f"the run: {run}")
+    for name in ("target", "rim"):
+        m = result.detectors[name].map
+        assert m.median_sigma == np.median(m.sigma[m.lit] / m.irradiance[m.lit])
+        text = footer(draw_irradiance(result, name))
+        own = f"median relative σ of this map {100.0 * m.median_sigma:.3g} %"
+        assert text.index(own) < text.index(f"the run: {run}")
+    power = result.detectors["target"].power
+    own = f"relative σ of the power in all {100.0 * power.sigma / power.value:.3g} %"
+    assert own in footer(draw_ladder(result, "target"))
+
+
+def test_a_single_map_is_what_the_run_is_judged_by():
+    made = make(
+        tables(rectangle(name="t", detector={"map": [3, 3]})), poisson(50.0), goal=Goal(target=0.05)
+    )
+    text = footer(draw_irradiance(made, "t"))
+    assert f"σ of this map {100.0 * made.achieved_sigma:.3g} % (target 5 %)" in text
+    assert "the run" not in text
+
+
+def test_the_lit_part_of_several_maps_is_not_mixed(capsys):
+    """A fine map that is lit would hide a coarse one that is dark."""
+
+    def counts(_, layout):
+        cells = np.full(layout.n_cells, 10, np.int64)
+        cells[layout.detectors[1].map : layout.detectors[1].map + 3] = 1
+        return cells
+
+    fine, coarse = ({"map": [40, 40]}, {"map": [2, 2]})
+    made = make(tables(rectangle(name="f", detector=fine), rectangle(name="c", detector=coarse)),
+                counts, 2)  # fmt: skip
+    assert made.lit_fraction > 0.99
+    assert made.least_lit == ("c", 0.25, 2)
+    (advice,) = [text for text in made.advisories if "of the map bins" in text]
+    assert 'only 25.0 % of the map bins carry at least 10 rays on "c"' in advice
+    print_result(made, console())
+    said = " ".join(capsys.readouterr().out.split())
+    assert "25.0 % of the bins lit on c, the least of 2 maps" in said
+    assert ("lit map bins", "25.0 %", "on c, the least of 2 maps") in key_figures(made)
 
 
 # -- files ---------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Ledger, ladder, convergence and polar cuts: bars, error bars and lines are the numbers."""
+"""Ledger, ladder, convergence and polar cuts: dots, error bars and lines are the numbers."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 from made_up import make, poisson, rectangle, some_lit, tables
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from photizon_cl.errors import ArgumentError
 from photizon_cl.result.stopping import Goal
@@ -53,18 +55,27 @@ def ledger():
     return make(scene, rows_of)
 
 
-def test_bars_and_errors_of_the_ledger(ledger):
+def dots(axes, label="power"):
+    """Return x and y of the dots drawn under a label, and the line that has them."""
+    (found,) = [line for line in axes.lines if line.get_label() == label]
+    return *(np.asarray(values) for values in found.get_data()), found
+
+
+def test_dots_and_errors_of_the_ledger(ledger):
     figure = draw_ledger(ledger)
     axes = figure.axes[0]
     rows = ledger.ledger.rows()
     assert axes.get_xscale() == "log"
     assert texts(axes.yaxis) == [name for name, _ in rows]
-    seen = [row for _, row in rows if abs(row.value) >= 1e-12 * 2.0]
-    ends = sorted(p.get_x() + p.get_width() for p in axes.patches)
-    np.testing.assert_allclose(ends, sorted(abs(row.value) for row in seen), rtol=1e-12)
+    seen = [(n, row) for n, (_, row) in enumerate(rows) if abs(row.value) >= 1e-12 * 2.0]
+    power, places, line = dots(axes)
+    np.testing.assert_array_equal(power, [row.value for _, row in seen if row.value > 0.0])
+    np.testing.assert_array_equal(places, [n for n, row in seen if row.value > 0.0])
+    assert line.get_linestyle() == "None"
+    assert not axes.patches  # a bar on a logarithmic axis would begin anywhere
     middle, half = errors(axes, 0)
-    np.testing.assert_allclose(middle, [abs(row.value) for row in seen], rtol=1e-9)
-    np.testing.assert_allclose(half, [row.sigma for row in seen], rtol=1e-6, atol=1e-16)
+    np.testing.assert_allclose(middle, [abs(row.value) for _, row in seen], rtol=1e-9)
+    np.testing.assert_allclose(half, [row.sigma for _, row in seen], rtol=1e-6, atol=1e-16)
     assert max(half) > 0.0
 
 
@@ -76,14 +87,15 @@ def test_zeros_are_said_and_negatives_marked(ledger):
     assert zeros == 3
     assert [t.get_text() for t in axes.texts] == ["0", "◂", "0", "0"]  # e3, e4, escaped, capped
     assert 0.0 < ledger.ledger.absorbed["e4"].value < 2e-12
-    (negative,) = [p for p in axes.patches if p.get_hatch()]
     balance = ledger.ledger.roulette.balance.value
     assert balance < 0.0
-    assert negative.get_x() + negative.get_width() == pytest.approx(-balance)
+    size, _, line = dots(axes, "negative")
+    np.testing.assert_array_equal(size, [-balance])
+    assert (line.get_marker(), line.get_markerfacecolor()) == ("s", "white")
     numbers = texts(axes.child_axes[0].yaxis)
     assert numbers[-2].startswith("−")
     assert [text for text in numbers if text == "0"] == ["0"] * zeros
-    assert any("hatched: negative" in t.get_text() for t in figure.texts)
+    assert any("open square: negative" in t.get_text() for t in figure.texts)
 
 
 def test_the_axis_reaches_down_to_the_smallest_power():
@@ -98,13 +110,12 @@ def test_the_axis_reaches_down_to_the_smallest_power():
     value = made.ledger.absorbed["e1"].value
     assert 1e-12 < value < 1e-11
     assert 0.0 < axes.get_xlim()[0] < value
-    assert axes.patches[1].get_x() + axes.patches[1].get_width() == pytest.approx(value)
+    assert dots(axes)[0][1] == value
 
 
 def test_powers_below_the_least_are_said_and_not_drawn(ledger):
     figure = draw_ledger(ledger)
-    least = min(p.get_x() + p.get_width() for p in figure.axes[0].patches)
-    assert least == pytest.approx(ledger.ledger.absorbed["e2"].value)
+    assert dots(figure.axes[0])[0].min() == ledger.ledger.absorbed["e2"].value
     assert any("◂ below 1e-12" in t.get_text() for t in figure.texts)
 
 
@@ -118,9 +129,23 @@ def test_many_elements_are_the_largest_24_and_the_rest():
     names = texts(axes.yaxis)
     assert names == [*largest, "36 more elements", "escaped", "roulette balance", "depth-capped"]
     rest = sum(row.value for name, row in made.ledger.absorbed.items() if name not in largest)
-    assert axes.patches[24].get_width() + axes.patches[24].get_x() == pytest.approx(rest)
+    power, places, _ = dots(axes)
+    assert places[24] == 24
+    assert power[24] == pytest.approx(rest)
     assert texts(axes.child_axes[0].yaxis)[24] == f"together {rest:.3g}"
     assert len(errors(axes, 0)[0]) == 24  # the sum of correlated rows has no error bar
+
+
+def test_ledger_and_ladder_are_drawn_into_axes_of_ones_own(ladder):
+    figure = Figure(layout="constrained")
+    FigureCanvasAgg(figure)
+    left, right = figure.subplots(1, 2)
+    assert draw_ledger(ladder, ax=left) is draw_ladder(ladder, "t", ax=right) is figure
+    assert texts(left.yaxis) == [name for name, _ in ladder.ledger.rows()]
+    known = [rung for rung in ladder.detectors["t"].ladder if rung.count >= 10]
+    np.testing.assert_array_equal(dots(right)[1], [rung.value for rung in known])
+    assert not figure.texts
+    figure.canvas.draw()
 
 
 def test_a_single_batch_has_no_error_bars():
@@ -151,26 +176,49 @@ def ladder():
     return make(tables(rectangle(name="t", detector={"generations": 12})), counts)
 
 
-def bars(axes, label):
-    """Return generation and top of the bars drawn under a label."""
-    (found,) = [c for c in axes.collections if c.get_label() == label]
-    corners = [path.vertices[:4] for path in found.get_paths()]
-    return {round(float(c[:, 0].mean())): float(c[:, 1].max()) for c in corners}, found
-
-
-def test_bars_of_the_ladder_and_which_are_open(ladder):
+def test_dots_of_the_ladder_and_which_are_open(ladder):
     axes = draw_ladder(ladder, "t").axes[0]
     rungs = [rung for rung in ladder.detectors["t"].ladder if rung.count]
-    few, open_bars = bars(axes, "few")
-    enough, full_bars = bars(axes, "enough")
-    assert few == {r.generation: pytest.approx(r.value) for r in rungs if r.count < 10}
-    assert enough == {r.generation: pytest.approx(r.value) for r in rungs if r.count >= 10}
+    for label, few in (("below 10 rays", True), ("power", False)):
+        places, power, line = dots(axes, label)
+        chosen = [rung for rung in rungs if (rung.count < 10) is few]
+        np.testing.assert_array_equal(places, [rung.generation for rung in chosen])
+        np.testing.assert_array_equal(power, [rung.value for rung in chosen])
+        assert (line.get_markerfacecolor() == "white") is few
+        assert line.get_linestyle() == "None"
+        assert (8 if few else 7) not in places
     assert (ladder.detectors["t"].ladder[7].count, ladder.detectors["t"].ladder[8].count) == (9, 10)
-    assert 7 in few
-    assert 8 in enough
-    assert open_bars.get_hatch() == "////"
-    assert full_bars.get_hatch() is None
     assert axes.get_yscale() == "log"
+    assert not axes.patches
+    assert "below 10 rays" in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+@pytest.mark.parametrize("mean", [(900.0,), (900.0, 90.0, 30.0, 11.0), tuple([900.0] * 16)])
+def test_no_tick_of_the_ladder_is_above_what_was_emitted(mean):
+    """However many numbers have to find room; and at least two ticks are labelled."""
+
+    def counts(random, layout):
+        cells = np.zeros(layout.n_cells, np.int64)
+        first = layout.detectors[0].ladder
+        cells[first : first + len(mean)] = random.poisson(np.array(mean) / len(mean))
+        return cells
+
+    made = make(tables(rectangle(name="t", detector={"generations": len(mean)})), counts)
+    figure = draw_ladder(made, "t")
+    figure.canvas.draw()
+    axes = figure.axes[0]
+    for axis, most in ((axes, made.ledger.emitted.value), (axes.child_axes[0], 1.0)):
+        low, high = axis.get_ylim()
+        said = [
+            place
+            for place, label in zip(axis.get_yticks(), axis.get_yticklabels(), strict=True)
+            if label.get_text() and low <= place <= high
+        ]
+        assert len(said) >= 2
+        assert max(said) <= most * 1.001
+    labels = [text for text in texts(axes.xaxis) if text]
+    assert labels[-1] == f"≥ {len(mean) - 1}"
+    assert axes.get_xlim()[1] < len(mean)  # nothing stands right of the last entry
 
 
 def test_errors_of_the_ladder(ladder):

@@ -9,6 +9,8 @@ import pytest
 
 import photizon_cl as pz
 from photizon_cl.geometry.outlines import cut, edges, facets
+from photizon_cl.scene.faces import Plane
+from photizon_cl.scene.registry import ELEMENTS
 
 BLACK = pz.Absorber()
 TILTS = [(0.0, 0.0), (25.0, -40.0), (90.0, 0.0)]
@@ -165,3 +167,90 @@ def test_a_flat_face_crosses_every_section_that_cuts_it(kind, axis, tilt, offset
         assert lines, f"no line in the section across {'xyz'[across]}"
         length = sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines)
         assert length > 0.3
+
+
+# -- every face, in any pose ---------------------------------------------------------------------
+
+
+def test_every_kind_of_element_is_drawn_here():
+    assert {element.kind for element in elements()} == set(ELEMENTS)
+
+
+def samples(face):
+    """Return rings of points on a face, shape (rings, k, 3), in local coordinates.
+
+    Neighbours along a ring are joined by the face itself: of a plane face its rim and smaller ones,
+    of a surface of revolution its circles.
+    """
+    turn = np.linspace(0.0, 2.0 * np.pi, 721)
+    if isinstance(face, Plane):
+        if face.empty:
+            return np.empty((0, 2, 3))
+        inner = 0.0 if face.hole is None else face.hole.reach / face.outline.reach
+        parts = np.linspace(max(0.05, inner), 1.0, 12)
+        rims = face.outline.towards(turn)
+        return np.array([face.points(part * rims) for part in parts])
+    r, w = face.profile(np.linspace(0.0, 1.0, 40))
+    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return np.array(
+        [np.column_stack([a * ring, np.full(len(turn), b)]) for a, b in zip(r, w, strict=True)]
+    )
+
+
+def crossings(rings, heights):
+    """Return points of rings between whose neighbours a height changes its sign."""
+    found = []
+    for ring, height in zip(rings, heights, strict=True):
+        at = np.flatnonzero((height[:-1] < 0.0) != (height[1:] < 0.0))
+        part = (height[at] / (height[at] - height[at + 1]))[:, np.newaxis]
+        found.append(ring[at] + part * (ring[at + 1] - ring[at]))
+    return np.vstack(found) if found else np.empty((0, 3))
+
+
+def distance(points, line):
+    """Return how far each point is from a polyline."""
+    a, along = line[:-1], np.diff(line, axis=0)
+    length = np.maximum((along * along).sum(axis=1), 1e-300)
+    part = np.clip(((points[:, np.newaxis] - a) * along).sum(axis=2) / length, 0.0, 1.0)
+    gap = points[:, np.newaxis] - a - part[..., np.newaxis] * along
+    return np.sqrt((gap**2).sum(axis=2)).min(axis=1)
+
+
+POSES = [("+z", (0.0, 0.0), 0.0), ("-x", (0.0, 0.0), 0.0), ("+y", (90.0, 0.0), 0.0)]
+_RANDOM = np.random.default_rng(5)
+POSES += [
+    (AXES[_RANDOM.integers(6)], tuple(_RANDOM.uniform(-90.0, 90.0, 2)), _RANDOM.uniform(-0.8, 0.8))
+    for _ in range(5)
+]
+
+
+@pytest.mark.parametrize("number", range(len(NAMES)), ids=NAMES)
+def test_every_face_crosses_every_section_that_cuts_it(number):
+    """Wherever a plane cuts a face there is a line, through its middle and beside it."""
+    met = set()
+    for axis, tilt, beside in POSES:
+        element = elements(tilt, axis)[number]
+        for n, face in enumerate(element.faces):
+            rings = samples(face)
+            if not rings.size:
+                continue
+            world = rings @ np.array(element.frame) + np.array(element.position)
+            size = np.ptp(world.reshape(-1, 3), axis=0).max()
+            for across in range(3):
+                low, high = world[..., across].min(), world[..., across].max()
+                if high - low < 1e-9 * size:
+                    continue  # the plane of the section and that of the face are one
+                at = 0.5 * (low + high) + 0.5 * beside * (high - low)
+                if beside == 0.0:
+                    at = element.position[across] if low < element.position[across] < high else at
+                heights = world[..., across] - at
+                along = crossings(world, heights)
+                points = np.vstack([along, crossings(world.swapaxes(0, 1), heights.T)])
+                assert len(points)
+                points = points[:: max(len(points) // 50, 1)]
+                lines = cut(element, across, float(at))
+                assert lines, (face.name, axis, tilt, "xyz"[across])
+                gap = np.min([distance(points, line) for line in lines if len(line) > 1], axis=0)
+                assert gap.max() < 0.01 * size, (face.name, axis, tilt, "xyz"[across])
+                met.add(n)
+    assert met == {n for n, face in enumerate(elements()[number].faces) if samples(face).size}

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import combinations, pairwise
+
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
+from photizon_cl.views.drawing.panels import arrange
 from photizon_cl.views.drawing.plot import draw_scene
-from photizon_cl.views.drawing.view import bounding_box, shown_rays
+from photizon_cl.views.drawing.sections import colour_key, ray_colours
+from photizon_cl.views.drawing.view import ShownRays, bounding_box, shown_rays
 
 
 @pytest.fixture
@@ -117,19 +123,106 @@ def test_bad_input(arguments, message, run, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+# -- what an art editor looks for ----------------------------------------------------------------
+
+PRESETS = ["baffled-tube", "box-room", "cassegrain", "cosine-fourth", "ghost-ladder",
+           "plano-convex-condenser", "square-lightpipe"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("space", [0.0, 3.0])
+def test_sections_fill_their_page_and_are_to_one_scale(name, space):
+    box = bounding_box(pz.load(name))
+    width = 11.0 if space else 7.0
+    panels = arrange(box, width, 8.0, space=space)
+    assert 0.8 * width < panels.width <= width + 1e-9 or panels.height > 7.99
+    assert panels.height <= 8.0 + 1e-9
+    for (h, v), (left, bottom, across, up) in zip(panels.views, panels.places, strict=True):
+        assert left > 0.5  # room for ticks and label
+        assert bottom > 0.4
+        assert across == pytest.approx(panels.scales[h] * box.extent[h])
+        assert up == pytest.approx(panels.scales[v] * box.extent[v])
+    for one, other in combinations([*panels.places, panels.rest], 2):
+        clear = one[0] + one[2] <= other[0] or other[0] + other[2] <= one[0]
+        clear = clear or one[1] + one[3] <= other[1] or other[1] + other[3] <= one[1]
+        assert clear
+    true = [panels.to_scale(h, v) for h, v in panels.views]
+    assert true[2]
+    assert all(true) is (name != "square-lightpipe")  # twenty times longer than wide
+    if not space:  # two thirds of what is left beside labels and key
+        used = sum(w * h for _, _, w, h in panels.places)
+        assert used > (0.25 if panels.lying else 0.3) * width * panels.height
+
+
+@pytest.mark.parametrize("most", [1, 2, 7, 11, 12, 30, 300])
+@pytest.mark.parametrize("inches", [1.2, 4.0])
+def test_the_scale_of_generations_has_whole_numbers_only(most, inches):
+    rays = ShownRays(np.zeros((most + 1, 3)), np.ones((most + 1, 3)), np.ones(most + 1),
+                     np.arange(most + 1), 0)  # fmt: skip
+    _, bar, label = ray_colours(rays, "generation")
+    figure = Figure(figsize=(6.0, 1.0))
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.1, 0.5, inches / 6.0, 0.2))
+    colour_key(figure, bar, label, axes)
+    figure.canvas.draw()
+    shown = [text for text in axes.get_xticklabels() if text.get_text()]
+    assert 1 <= len(shown) <= most + 1
+    assert all(str(int(text.get_text())) == text.get_text() for text in shown)
+    boxes = [text.get_window_extent() for text in shown]
+    assert not any(a.overlaps(b) for a, b in pairwise(boxes))
+
+
+def area(loop):
+    """Return what a closed curve encloses."""
+    x, y = loop.T
+    return 0.5 * abs(float(x[:-1] @ np.diff(y) - y[:-1] @ np.diff(x)))
+
+
+def test_lens_faces_are_drawn_alike_in_both_sections():
+    lens = pz.Biconvex(
+        name="lens", position=(0, 0, 0), axis="+z", surface=pz.Fresnel(index=1.5),
+        front_radius=0.06, back_radius=0.09, aperture_radius=0.02,
+    )  # fmt: skip
+    lamp = pz.CollimatedDisk(name="lamp", flux=1.0, position=(0, 0, -0.1), axis="+z", radius=0.01)
+    figure = draw_scene(pz.paths(pz.Scene(name="lens", source=(lamp,), element=(lens,)), rays=3))
+
+    def outlines(axes):
+        lines = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 2.2]
+        bodies = [patch.get_path().vertices for patch in axes.patches]
+        filled = [area(body) for body in bodies if len(body) > 2]
+        return lines, filled
+
+    (lines_xz, filled_xz), (lines_yz, filled_yz) = (outlines(axes) for axes in figure.axes[:2])
+    assert len(lines_xz) == len(lines_yz) >= 2
+    for a, b in zip(lines_xz, lines_yz, strict=True):
+        order = [np.lexsort(np.round(line, 6).T) for line in (a, b)]
+        np.testing.assert_allclose(a[order[0]], b[order[1]], atol=1e-6)
+    # The glass is one body: both of its caps together.
+    (glass,) = filled_xz
+    assert filled_yz == [pytest.approx(glass)]
+    y = np.linspace(-0.02, 0.02, 20001)
+    sag = np.sqrt(0.06**2 - y**2) + np.sqrt(0.09**2 - y**2)
+    across = 1e6 * np.trapezoid(sag - sag[0], y)  # mm²
+    assert glass == pytest.approx(across, rel=1e-3)
+
+
 def arrows(scene):
-    """Return the arrows of the three sections: axes, their direction in the panel's coordinates."""
+    """Return the arrows of the sections: axes, direction in their coordinates and on paper."""
     figure = draw_scene(pz.paths(scene, rays=4))
+    figure.canvas.draw()
     found = []
     for axes in figure.axes:
         for text in axes.texts:
             if getattr(text, "arrow_patch", None) is not None:
                 ends = np.array([text.xyann, text.xy])
-                found.append((axes.get_xlabel()[0] + axes.get_ylabel()[0], ends[1] - ends[0]))
+                panel = axes.get_xlabel()[0] + axes.get_ylabel()[0]
+                true = axes.get_aspect() == 1.0
+                paper = np.diff(axes.transData.transform(ends), axis=0)[0] if true else None
+                found.append((panel, ends[1] - ends[0], paper))
     return found
 
 
-@pytest.mark.parametrize("tilt", [(30.0, 0.0), (0.0, 30.0), (20.0, 50.0)])
+@pytest.mark.parametrize("tilt", [(30.0, 0.0), (0.0, 30.0), (20.0, 50.0), (-140.0, 75.0)])
 @pytest.mark.parametrize("length", [0.1, 1.0, 3.0])
 def test_an_arrow_has_the_angle_of_the_beam(tilt, length):
     """However long the scene is beside its width."""
@@ -140,10 +233,14 @@ def test_an_arrow_has_the_angle_of_the_beam(tilt, length):
                         half_width=1.0, half_height=0.5)  # fmt: skip
     shown = arrows(pz.Scene(name="tilted", source=(beam,), element=(stop,)))
     assert shown
-    for panel, drawn in shown:
+    for panel, drawn, paper in shown:
         along = np.array([beam.frame[2]["xyz".index(name)] for name in panel])
         assert drawn @ along > 0.0
         assert abs(drawn[0] * along[1] - drawn[1] * along[0]) < 1e-9 * np.hypot(*drawn)
+        if paper is not None:
+            angle = np.degrees(np.arctan2(*paper) - np.arctan2(*along))
+            assert abs((angle + 180.0) % 360.0 - 180.0) < 1e-3
+    assert length > 1.0 or all(paper is not None for _, _, paper in shown)
 
 
 @pytest.mark.parametrize(("side", "sign"), [("front", 1.0), ("back", -1.0)])
@@ -153,5 +250,5 @@ def test_a_detector_looks_to_the_side_that_it_counts(side, sign):
                     detector=pz.Detector(side=side))  # fmt: skip
     shown = arrows(pz.Scene(name="sides", source=(lamp,), element=(plate,)))
     assert len(shown) == 2
-    for panel, drawn in shown:
+    for panel, drawn, _ in shown:
         assert drawn[panel.index("z")] * sign > 0.0

@@ -32,6 +32,9 @@ function structure() {
     if (!(img.getAttribute('alt') || '').trim()) out.push('an image without alt text');
     if (!img.complete || !img.naturalWidth) out.push(`image not shown: "${img.alt.slice(0, 40)}"`);
   }
+  const widths = new Set([...document.querySelectorAll('figure img')].map(
+    img => Math.round(img.getBoundingClientRect().width)));
+  if (widths.size > 1) out.push(`figures of unequal widths: ${[...widths].join(', ')} px`);
   for (const f of document.querySelectorAll('figure'))
     if (!f.querySelector('figcaption')) out.push('a figure without caption');
   for (const t of document.querySelectorAll('table')) out.push(...tableFaults(t));

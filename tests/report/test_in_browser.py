@@ -31,6 +31,11 @@ BROKEN = {
     "image of nothing": ("iVBORw0KG", "AAAA", "image not shown"),
     "no alt text": (' alt="a pixel"', "", "without alt text"),
     "no caption of a figure": ("<figcaption>It</figcaption>", "", "figure without caption"),
+    "unequal widths": (
+        "<table>",
+        f'<figure><img src="{PIXEL}" alt="b" width="200"><figcaption></figcaption></figure><table>',
+        "figures of unequal widths: 300, 200 px",
+    ),
     "logged error": ("</main>", "<script>console.error('x')</script></main>", "console error: x"),
     "thrown error": ("</main>", "<script>throw Error('boom')</script></main>", "boom"),
     "a script": ("</main>", "<script></script></main>", "a script"),

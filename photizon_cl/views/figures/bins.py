@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -20,7 +21,18 @@ if TYPE_CHECKING:
 
     from photizon_cl.views.figures.style import Page
 
-__all__ = ["GREY", "HATCHED", "bin_axes", "colour_bar", "hatch", "key", "paint", "plain_patch"]
+__all__ = [
+    "GREY",
+    "HATCHED",
+    "Panel",
+    "bin_axes",
+    "colour_bar",
+    "hatch",
+    "key",
+    "own_axes",
+    "paint",
+    "plain_patch",
+]
 
 HATCHED: Final = "#e9e9e9"
 GREY: Final = "#bdbdbd"
@@ -54,7 +66,32 @@ def body(height: float) -> float:
     return _ABOVE + height + _BELOW
 
 
-def bin_axes(page: Page, width: float, height: float) -> tuple[Axes, Axes]:
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Where bins are drawn.
+
+    Parameters
+    ----------
+    axes : Axes
+        For the bins.
+    beside : Axes or None
+        For the colour bar; None on axes of a reader's own, which give room to it themselves.
+    """
+
+    axes: Axes
+    beside: Axes | None
+
+    def label(self, x: str, y: str) -> None:
+        """Label both axes."""
+        self.axes.set_xlabel(x, **self.size(LABEL))
+        self.axes.set_ylabel(y, **self.size(LABEL))
+
+    def size(self, points: float) -> dict[str, Any]:
+        """Return a text's size on a page; on a reader's own axes, sizes are those of matplotlib."""
+        return {"fontsize": points} if self.beside is not None else {}
+
+
+def bin_axes(page: Page, width: float, height: float) -> Panel:
     """Return axes for a map of so many inches, and beside it axes for its colour bar."""
     # Placed by hand: an automatic layout makes the bar as tall as the room, not as the map.
     spare = page.body - body(height)
@@ -64,7 +101,15 @@ def bin_axes(page: Page, width: float, height: float) -> tuple[Axes, Axes]:
     beside = page.place(left + width + 0.13, bottom, _BAR, height)
     bar = page.figure.add_axes(beside)
     axes.tick_params(labelsize=SMALL)
-    return axes, bar
+    return Panel(axes, bar)
+
+
+def own_axes(axes: Axes, to_one_scale: bool) -> Panel:
+    """Return a reader's own axes, with the proportions of what is mapped where it has any."""
+    if to_one_scale:
+        axes.set_aspect("equal")
+        axes.apply_aspect()
+    return Panel(axes, None)
 
 
 def paint(
@@ -114,8 +159,9 @@ def hatch(
     where: NDArray[np.bool_],
 ) -> None:
     """Draw slanted lines over some bins and nowhere else."""
+    figure: Any = axes.figure
     box = axes.get_window_extent()
-    dpi = axes.figure.dpi
+    dpi = figure.get_dpi() if hasattr(figure, "get_dpi") else figure.dpi
     width, height = box.width / dpi, box.height / dpi
     lines = hatch_lines(x_edges, y_edges, where, width, height)
     if len(lines):
@@ -180,12 +226,14 @@ def hatch_lines(
     return np.asarray(np.array([x_edges[0], y_edges[0]]) + found / [width, height] * size)
 
 
-def colour_bar(drawn: Any, beside: Axes, label: str, extend: str = "neither") -> Colorbar:
-    """Draw a colour bar into its axes."""
-    figure: Any = beside.figure
-    bar: Colorbar = figure.colorbar(drawn, cax=beside, extend=extend)
-    bar.set_label(label, fontsize=LABEL)
-    bar.ax.tick_params(labelsize=SMALL)
+def colour_bar(drawn: Any, panel: Panel, label: str, extend: str = "neither") -> Colorbar:
+    """Draw a colour bar into its axes, or beside a reader's own."""
+    figure: Any = panel.axes.figure
+    place = {"ax": panel.axes} if panel.beside is None else {"cax": panel.beside}
+    bar: Colorbar = figure.colorbar(drawn, extend=extend, **place)
+    bar.set_label(label, **panel.size(LABEL))
+    if panel.beside is not None:
+        bar.ax.tick_params(labelsize=SMALL)
     return bar
 
 
@@ -213,16 +261,21 @@ def plain_patch(colour: str, label: str) -> Patch:
     return Patch(facecolor=colour, edgecolor=QUIET, linewidth=0.4, label=label)
 
 
-def key(axes: Axes, patches: list[Patch], hatched: list[Patch]) -> None:
+def key(panel: Panel, patches: list[Patch], hatched: list[Patch]) -> None:
     """Say above the upper right corner what bins without a colour of the scale mean."""
     if not patches and not hatched:
         return
+    axes = panel.axes
     figure: Any = axes.figure
+    how: dict[str, Any] = {
+        "handles": [*hatched, *patches], "loc": "lower right", "frameon": False,
+        "handler_map": {patch: _HatchedKey() for patch in hatched}, "ncols": 3,
+        "borderaxespad": 0.2, "handlelength": 1.8, "columnspacing": 1.2,
+    }  # fmt: skip
+    if panel.beside is None:
+        axes.legend(bbox_to_anchor=(1.0, 1.0), **how)
+        return
     box = axes.get_position()
-    legend = figure.legend(
-        handles=[*hatched, *patches], loc="lower right", fontsize=SMALL, frameon=False,
-        handler_map={patch: _HatchedKey() for patch in hatched}, ncols=3,
-        bbox_to_anchor=(min(box.x1, 1.0 - 0.1 / WIDTH), box.y1), borderaxespad=0.2,
-        handlelength=1.8, columnspacing=1.2, labelcolor=INK,
-    )  # fmt: skip
+    corner = (min(box.x1, 1.0 - 0.1 / WIDTH), box.y1)
+    legend = figure.legend(bbox_to_anchor=corner, fontsize=SMALL, labelcolor=INK, **how)
     legend.set_in_layout(False)

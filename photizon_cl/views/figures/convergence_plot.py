@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
 from photizon_cl.errors import ArgumentError
+from photizon_cl.views.figures.scales import log_ticks
 from photizon_cl.views.figures.style import (
     BLUE,
     GRID,
@@ -77,14 +77,19 @@ def draw_convergence(result: Estimates) -> Figure:
         good = known & (waves[field] > 0)
         _draw(axes, waves[field][good].astype(np.float64), waves["sigma"][good])
         target = result.info.goal.target
-        if target is not None:
+        if target is not None and good.any():
             axes.axhline(
                 target, color=ORANGE, linewidth=1.2, zorder=1.8, label=f"target {percent(target)}"
             )
         axes.set_xlabel(label, fontsize=LABEL)
+        if not good.any():
+            continue
         _finish(axes)
         if field == "seconds" and axes.get_xlim()[0] > 1e-4 and axes.get_xlim()[1] < 1e5:
             axes.xaxis.set_major_formatter(scaled(1.0))
+    if not known.any():
+        both[0].set_yscale("linear")
+        both[0].set_yticks([])
     both[0].set_ylabel("median relative σ in %", fontsize=LABEL)
     handles, labels = both[0].get_legend_handles_labels()
     if handles:
@@ -101,8 +106,8 @@ def _draw(axes: Any, x: NDArray[np.float64], sigma: NDArray[np.float64]) -> None
     axes.set_xscale("log")
     axes.set_yscale("log")
     if not len(x):
-        axes.set_xlim(1.0, 100.0)
-        axes.set_ylim(0.01, 1.0)
+        axes.set_xscale("linear")
+        axes.set_xticks([])  # they would be made up
         axes.text(
             0.5, 0.5, "no wave has a σ above zero", transform=axes.transAxes, ha="center",
             fontsize=LABEL, color=QUIET,
@@ -132,13 +137,7 @@ def _finish(axes: Any) -> None:
         low, high = low / more, high * more
         set_limits = axes.set_xlim if axis is axes.xaxis else axes.set_ylim
         set_limits(low, high)
-        if high / low < 100.0:
-            few = high / low < 10.0
-            axis.set_major_locator(
-                LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if few else (1.0, 2.0, 5.0))
-            )
-            axis.set_major_formatter(LogFormatterSciNotation(minor_thresholds=(99.0, 99.0)))
-        axis.set_minor_formatter(NullFormatter())
+        log_ticks(axis, low, high)
     axes.yaxis.set_major_formatter(scaled(100.0))
     axes.tick_params(labelsize=SMALL)
     axes.grid(color=GRID, linewidth=0.5)

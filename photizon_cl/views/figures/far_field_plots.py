@@ -10,7 +10,8 @@ from matplotlib.ticker import MaxNLocator
 
 from photizon_cl.errors import ArgumentError
 from photizon_cl.views.figures import bins
-from photizon_cl.views.figures.map_plots import amounts
+from photizon_cl.views.figures.map_plots import amounts, chosen
+from photizon_cl.views.figures.scales import colour_norm
 from photizon_cl.views.figures.style import (
     BLUE,
     GRID,
@@ -21,12 +22,15 @@ from photizon_cl.views.figures.style import (
     WIDTH,
     sheet,
     styled,
+    whole,
 )
-from photizon_cl.views.figures.words import percent, prefixed, scaled
+from photizon_cl.views.figures.words import powered, scaled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -44,7 +48,14 @@ _THIN: Final = 0.5
 
 
 @styled
-def draw_far_field(result: Estimates) -> Figure:
+def draw_far_field(
+    result: Estimates,
+    *,
+    norm: str | Normalize | None = None,
+    vmin: float | None = None,
+    vmax: float | None = None,
+    ax: Axes | None = None,
+) -> Figure:
     """Draw the intensity of what escaped over φ and cos θ.
 
     All bins have the same solid angle, so that equal areas on paper are equal solid angles. Bins
@@ -54,36 +65,45 @@ def draw_far_field(result: Estimates) -> Figure:
     ----------
     result : Result
         The result.
+    norm : {"linear", "log"} or matplotlib.colors.Normalize, optional
+        Scale of the colours; by default linear, or logarithmic where half of the bins are below 5 %
+        of the highest, which is said.
+    vmin, vmax : float, optional
+        Limits of the scale in W/sr; by default from 0 to the highest bin, on a logarithmic scale
+        from the lowest.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into, with their colour bar; by default a page with title and footer.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Intensity in W/sr (ticks with an SI prefix).
+        Intensity in W/sr; that of `ax` where one is given.
 
     Raises
     ------
     ArgumentError
-        Where the scene has no far field.
+        Where the scene has no far field, or norm and limits do not go together.
     """
     far = _far(result)
-    lit = float(np.mean(~far.hatched))
-    page = sheet(result, "far field: intensity of what escaped", bins.body(3.6), _notes(far), lit)
-    axes, beside = bins.bin_axes(page, 4.85, 3.6)
+    scale = colour_norm(far.intensity[~far.hatched], norm, vmin, vmax, peaked=True)
+    if ax is None:
+        lit = float(np.mean(~far.hatched))
+        what, notes = "far field: intensity of what escaped", chosen(scale, norm)
+        page = sheet(result, what, bins.body(3.6), notes, lit, _own(far))
+        panel = bins.bin_axes(page, 4.85, 3.6)
+    else:
+        panel = bins.own_axes(ax, False)
     shown = np.ma.masked_array(far.intensity, mask=far.hatched)
     phi = np.degrees(far.phi_edges)
-    amounts(axes, beside, phi, far.mu_edges, shown, far.hatched, "intensity", "W/sr")
-    axes.set_xlabel("φ in degrees, from +x towards +y", fontsize=LABEL)
-    axes.set_ylabel("μ = cos θ, from world +z", fontsize=LABEL)
-    axes.set_xticks(np.arange(0, 361, 45))
-    return page.figure
+    amounts(panel, phi, far.mu_edges, shown, far.hatched, "intensity", "W/sr", scale)
+    panel.label("φ in degrees, from +x towards +y", "μ = cos θ, from world +z")
+    panel.axes.set_xticks(np.arange(0, 361, 45 if ax is None else 90))
+    return whole(panel.axes)
 
 
-def _notes(far: FarFieldResult) -> list[str]:
+def _own(far: FarFieldResult) -> tuple[str, float | None]:
     """Return the far field's own σ: that of the run is about other quantities."""
-    sigma = far.median_sigma
-    if sigma is None:
-        return []
-    return [f"median relative σ of the far field's lit bins {percent(sigma)}"]
+    return "median relative σ of the far field's lit bins", far.median_sigma
 
 
 @styled
@@ -119,9 +139,8 @@ def draw_far_field_cuts(result: Estimates, planes: Sequence[float] = (0.0, 90.0)
         )
     columns = [column(far, phi) for plane in planes for phi in (plane, plane + 180.0)]
     lit = float(np.mean(far.count[:, columns] >= 10))
-    page = sheet(
-        result, "far field: cuts through the intensity of what escaped", 4.7, _notes(far), lit
-    )
+    what = "far field: cuts through the intensity of what escaped"
+    page = sheet(result, what, 4.7, None, lit, _own(far))
     side = 4.2
     axes: Any = page.figure.add_axes(
         page.place(0.45, 0.5 * (page.body - side), side, side), projection="polar"
@@ -135,24 +154,20 @@ def draw_far_field_cuts(result: Estimates, planes: Sequence[float] = (0.0, 90.0)
             label = "" if half else _said(far, plane)
             top = max(top, _draw_half(axes, far, k, bool(half), colour, line, label))
     axes.set_ylim(0.0, 1.06 * top or 1.0)
-    factor, unit = prefixed(top, "W/sr")
+    factor, unit = powered(top, "W/sr")
     axes.yaxis.set_major_formatter(scaled(factor))
     axes.yaxis.set_major_locator(MaxNLocator(5))
     if top == 0.0:
         axes.set_yticks([])
     degrees = np.arange(0, 360, 30)
     axes.set_thetagrids(degrees, [f"{min(d, 360 - d)}°" for d in degrees])
-    # Where less light is: above the horizontal or below it.
-    down = (
-        far.intensity[far.mu_edges[1:] <= 0.0].sum() > far.intensity[far.mu_edges[:-1] >= 0].sum()
-    )
-    axes.set_rlabel_position(75.0 if down else 105.0)
+    axes.set_rlabel_position(_free_angle(far, columns))
     axes.tick_params(labelsize=SMALL)
     axes.grid(color=GRID, linewidth=0.6)
     for text in axes.get_yticklabels():
         text.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8})
     legend = page.figure.legend(
-        loc="upper left", fontsize=SMALL, frameon=False, title=f"radius: intensity in {unit}",
+        loc="upper left", fontsize=SMALL, frameon=False, title=f"radius: intensity\nin {unit}",
         title_fontsize=LABEL, alignment="left", handlelength=2.0, labelspacing=0.9,
         bbox_to_anchor=((0.45 + side + 0.42) / WIDTH, axes.get_position().y1),
     )  # fmt: skip
@@ -178,6 +193,19 @@ def column(far: FarFieldResult, phi: float) -> int:
     return int(phi % 360.0 / 360.0 * n) % n
 
 
+def _free_angle(far: FarFieldResult, columns: list[int]) -> float:
+    """Return the θ in degrees at which the radius is labelled: where the cuts on the right end."""
+    theta = np.degrees(np.arccos(far.mu_edges))
+    outermost = far.intensity[:, columns[::2]].max(axis=1)
+
+    def reach(angle: float) -> float:
+        near = (theta[1:] <= angle + 12.0) & (theta[:-1] >= angle - 12.0)
+        return float(outermost[near].max())
+
+    # between the spokes, and beside the horizontal where nothing speaks for another place
+    return min((105.0, 75.0, 135.0, 45.0, 165.0, 15.0), key=reach)
+
+
 def _said(far: FarFieldResult, plane: float) -> str:
     """Return what a cut's right and left halves show."""
     n = far.count.shape[1]
@@ -185,7 +213,7 @@ def _said(far: FarFieldResult, plane: float) -> str:
     for where, phi in (("right", plane), ("left", plane + 180.0)):
         k = column(far, phi)
         low, high = 360.0 * k / n, 360.0 * (k + 1) / n
-        sides.append(f"{where}: φ = {low:.4g}°–{high:.4g}°")
+        sides.append(f"{where}: φ = {low:.5g}°–{high:.5g}°")
     return "\n".join(sides)
 
 

@@ -4,22 +4,29 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from matplotlib.colors import BoundaryNorm
-
-from photizon_cl.views.drawing.plot import draw_section, legend_handles, ray_colours
+from photizon_cl.views.drawing.panels import arrange
+from photizon_cl.views.drawing.sections import (
+    colour_key,
+    draw_sections,
+    legend_handles,
+    ray_colours,
+)
 from photizon_cl.views.drawing.view import bounding_box, no_rays, shown_rays
-from photizon_cl.views.figures.style import SMALL, sheet, styled
+from photizon_cl.views.figures.style import SMALL, WIDTH, sheet, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.paths import Paths
+    from photizon_cl.views.drawing.panels import Place
 
 __all__ = ["MOST_ELEMENTS", "draw_layout"]
 
 MOST_ELEMENTS: Final = 500
 """Elements up to which a saved result has its scene drawn; more take long and hide each other."""
+
+_TALLEST: Final = 6.6  # inches of the sections
 
 
 @styled
@@ -51,25 +58,33 @@ def draw_layout(result: Estimates, paths: Paths | None = None) -> Figure:
         run = paths.scene.run
         said = f"{run.rays_per_batch} rays of seed {run.seed}, projected on each section"
     colours, bar, label = ray_colours(rays, "generation")
-    # A long scene lies on its side, as on an optical bench.
-    lying = bool(box.extent[2] > 1.3 * max(box.extent[0], box.extent[1]))
     n, m = len(scene.element), len(scene.source)
     parts = f"{n} element{'s' * (n != 1)}, {m} source{'s' * (m != 1)}"
-    page = sheet(result, f"scene: {parts}", 5.6, [f"sections through the scene's centre; {said}"])
-    page.arrange()
-    grid = page.figure.add_gridspec(2, 2)
-    views = [(2, 0), (2, 1), (0, 1)] if lying else [(0, 2), (1, 2), (0, 1)]
-    for (h, v), (row, column) in zip(views, [(0, 0), (1, 0), (0, 1)], strict=True):
-        axes = page.figure.add_subplot(grid[row, column])
-        draw_section(axes, scene, box, rays, colours, h, v)
-    rest = page.figure.add_subplot(grid[1, 1])
-    rest.set_axis_off()
-    rest.legend(handles=legend_handles(scene), loc="upper left", fontsize=SMALL, frameon=False)
+    panels = arrange(box, WIDTH, _TALLEST)
+    handles = legend_handles(scene)
+    strip = 0.0 if panels.lying else 0.2 + (0.5 if bar is not None else 0.0)
+    notes = [f"sections through the scene's centre; {said}"]
+    page = sheet(result, f"scene: {parts}", panels.height + strip + 0.05, notes)
+    bottom = page.body - panels.height  # what rounding up leaves is below
+
+    def inches(left: float, up: float, w: float, h: float) -> Place:
+        return page.place(left, bottom + up, w, h)
+
+    draw_sections(page.figure, inches, panels, scene, box, rays, colours)
+    left, low, width, height = panels.rest
+    if panels.lying:
+        corner, columns = inches(left, low, width, height), 1
+        bar_place = inches(left + 0.05, low + 0.46, min(width, 2.4) - 0.15, 0.12)
+    else:
+        corner, columns = inches(left - 0.4, 0.0, width, 0.0), 5
+        bar_place = inches(left, -0.42, 3.0, 0.12)
+    legend = page.figure.legend(
+        handles=handles, loc="upper left", ncols=columns, fontsize=SMALL, frameon=False,
+        bbox_to_anchor=(corner[0], corner[1] + corner[3]), borderaxespad=0.1, handlelength=1.6,
+        columnspacing=1.4,
+    )  # fmt: skip
+    legend.set_in_layout(False)
     if bar is not None:
-        made = page.figure.colorbar(bar, ax=rest, location="bottom", shrink=0.9, aspect=30)
-        made.set_label(label, fontsize=SMALL)
-        made.ax.tick_params(labelsize=SMALL)
-        if isinstance(bar.norm, BoundaryNorm):
-            made.set_ticks(list(range(int(bar.norm.vmax or 0) + 1)))
-        made.ax.minorticks_off()
+        said = label if not panels.lying else label.partition(":")[0]
+        colour_key(page.figure, bar, said, page.figure.add_axes(bar_place))
     return page.figure

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from photizon_cl.result.text import with_error
+from photizon_cl.views.figures.scales import log_ticks
 from photizon_cl.views.figures.style import (
     BLUE,
     GRID,
@@ -20,6 +20,7 @@ from photizon_cl.views.figures.style import (
     SMALL,
     sheet,
     styled,
+    whole,
 )
 from photizon_cl.views.figures.words import escaped, fitted, parts_of
 
@@ -49,33 +50,35 @@ class Row:
 
 
 @styled
-def draw_ledger(result: Estimates) -> Figure:
-    """Draw the ledger's rows as bars on a logarithmic axis, with their standard errors.
+def draw_ledger(result: Estimates, *, ax: Axes | None = None) -> Figure:
+    """Draw the ledger's rows as dots on a logarithmic axis, with their standard errors.
 
     The 24 elements that absorb most have rows of their own where a scene has more; the others stand
-    together in one. A negative balance of the roulette is drawn by its magnitude, in another
-    colour and hatched. Zeros are said, as are powers below 1e-12 of what was emitted, which get no
-    bar.
+    together in one. A negative balance of the roulette is an open square at its magnitude. Zeros
+    are said, as are powers below 1e-12 of what was emitted, which get no dot.
 
     Parameters
     ----------
     result : Result
         The result.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; by default a page with title and footer.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Power in W below, and as a part of the emitted power above.
+        Power in W below, and as a part of the emitted power above; that of `ax` where one is given.
     """
     ledger = result.ledger
     emitted = ledger.emitted.value
     shown = rows(result)
+    if ax is not None:
+        _dots(ax, shown, emitted)
+        return whole(ax)
     closure = f"closure {ledger.closure:.1e} W" if ledger.closure else "closure 0 W"
-    notes = []
-    if result.batches > 1:
-        notes.append("bars with ±σ; dashed: emitted power")
+    notes = ["dots with ±σ; dashed: emitted power"] if result.batches > 1 else []
     if any(row.value < 0.0 for row in shown):
-        notes.append("hatched: negative, drawn by its magnitude")
+        notes.append("open square: negative, drawn by its magnitude")
     if any(0.0 < abs(row.value) < LEAST * emitted for row in shown):
         notes.append("◂ below 1e-12 of the emitted power")
     page = sheet(
@@ -83,8 +86,7 @@ def draw_ledger(result: Estimates) -> Figure:
         0.95 + _ROW * len(shown), [" · ".join(notes)] if notes else None,
     )  # fmt: skip
     page.arrange()
-    axes = page.figure.add_subplot()
-    _bars(axes, shown, emitted)
+    _dots(page.figure.add_subplot(), shown, emitted)
     return page.figure
 
 
@@ -113,33 +115,34 @@ def _text(value: float, sigma: float | None) -> str:
     return (text if sigma is None else f"{text} ± {error}").replace("-", "−")
 
 
-def _bars(axes: Axes, shown: list[Row], emitted: float) -> None:
-    """Draw rows as bars from the left edge, with their numbers behind them."""
+def _dots(axes: Axes, shown: list[Row], emitted: float) -> None:
+    """Draw rows as dots, with their numbers behind them."""
     places = np.arange(len(shown))
     values = np.array([row.value for row in shown])
     size = np.abs(values)
     sigma = np.array([np.nan if row.sigma is None else row.sigma for row in shown])
     seen = size >= LEAST * emitted
-    # At least two decades, so that a short bar is not read as a small power.
+    # At least two decades, so that noise between like rows does not look like structure.
     least = min(float(size[seen].min(initial=emitted)), 0.02 * emitted)
     floor = 10.0 ** math.floor(math.log10(least * 0.7))
+    high = emitted * (emitted / floor) ** 0.03
     axes.set_xscale("log")
-    axes.set_xlim(floor, emitted * (emitted / floor) ** 0.02)
-    for sign, colour, pattern in ((1.0, BLUE, None), (-1.0, ORANGE, "////")):
-        at = seen & (np.sign(values) == sign)
-        if at.any():
-            axes.barh(
-                places[at], size[at] - floor, left=floor, height=0.62, zorder=2,
-                color=colour if pattern is None else "white", edgecolor=colour, hatch=pattern,
-                linewidth=0.8,
-            )  # fmt: skip
+    axes.set_xlim(floor, high)
     known = seen & np.isfinite(sigma)
     if known.any():
-        # Where an error reaches below the axis it is cut there, as the bar itself is.
+        # Where an error reaches below the axis it is cut there.
         axes.errorbar(
             size[known], places[known], xerr=sigma[known], fmt="none", ecolor=INK,
             elinewidth=1.2, capsize=3.0, zorder=3,
         )  # fmt: skip
+    for sign, colour, marker, name in ((1.0, BLUE, "o", "power"), (-1.0, ORANGE, "s", "negative")):
+        at = seen & (np.sign(values) == sign)
+        if at.any():
+            axes.plot(
+                size[at], places[at], linestyle="none", marker=marker, markersize=6.5, zorder=4,
+                color=colour, markerfacecolor=colour if sign > 0.0 else "white",
+                markeredgewidth=1.4, label=name,
+            )  # fmt: skip
     for place, value, drawn in zip(places, values, seen, strict=True):
         if not drawn:
             axes.annotate(
@@ -158,13 +161,13 @@ def _bars(axes: Axes, shown: list[Row], emitted: float) -> None:
     above: Any = axes.secondary_xaxis("top", functions=parts_of(emitted))
     above.set_xlabel("part of the emitted power", fontsize=LABEL, color=QUIET)
     above.tick_params(labelsize=SMALL, colors=QUIET)
-    for axis in (axes.xaxis, above.xaxis):
-        locator: Any = LogLocator(numticks=9)
-        axis.set_major_locator(locator)
-        axis.set_minor_formatter(NullFormatter())
+    log_ticks(axes.xaxis, floor, high)
+    log_ticks(above.xaxis, floor / emitted, high / emitted, 1.0)
     axes.tick_params(axis="x", labelsize=SMALL)
     axes.tick_params(axis="y", length=0)
     for side in ("right", "left"):
         axes.spines[side].set_visible(False)
+    # A line from each name to its dot and number: there is no foot to start from.
     axes.grid(axis="x", color=GRID, linewidth=0.6, zorder=0)
+    axes.grid(axis="y", color=GRID, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
     axes.set_axisbelow(True)

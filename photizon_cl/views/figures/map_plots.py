@@ -6,15 +6,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.colors import Normalize
 
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.views.figures import bins
-from photizon_cl.views.figures.style import INK, LABEL, Page, sheet, styled
-from photizon_cl.views.figures.words import prefixed, scaled
+from photizon_cl.views.figures.scales import (
+    PEAKED,
+    colour_norm,
+    extends,
+    is_log,
+    log_ticks,
+    positive,
+)
+from photizon_cl.views.figures.style import INK, sheet, styled, whole
+from photizon_cl.views.figures.words import percent, powered, prefixed, scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -22,15 +30,24 @@ if TYPE_CHECKING:
     from photizon_cl.result.maps import IrradianceMap
     from photizon_cl.scene.filters.base import Axis
 
-__all__ = ["draw_irradiance", "draw_relative_sigma"]
+__all__ = ["draw_irradiance", "draw_relative_sigma", "length_unit"]
 
 
 @styled
-def draw_irradiance(result: Estimates, element: str) -> Figure:
+def draw_irradiance(
+    result: Estimates,
+    element: str,
+    *,
+    norm: str | Normalize | None = None,
+    vmin: float | None = None,
+    vmax: float | None = None,
+    ax: Axes | None = None,
+) -> Figure:
     """Draw a detector's irradiance map.
 
     Every bin has the colour of its own value. Bins with fewer than 10 arrivals are hatched instead;
-    bins without any area stay white.
+    bins without any area stay white. Bins that a rim leaves less than three quarters of the area of
+    others do not set the scale; where they go beyond it, its bar ends in a point.
 
     Parameters
     ----------
@@ -38,27 +55,47 @@ def draw_irradiance(result: Estimates, element: str) -> Figure:
         The result.
     element : str
         Name of the element whose detector has a map.
+    norm : {"linear", "log"} or matplotlib.colors.Normalize, optional
+        Scale of the colours; by default linear, or logarithmic where half of the bins are below 5 %
+        of the highest, which is said.
+    vmin, vmax : float, optional
+        Limits of the scale in W/m²; by default from 0 to the highest bin, on a logarithmic scale
+        from the lowest.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into, with their colour bar; by default a page with title and footer.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Irradiance in W/m² (ticks with an SI prefix) over u and v, or over φ and cos θ.
+        Irradiance in W/m² over u and v, or over φ and cos θ; that of `ax` where one is given.
 
     Raises
     ------
     ArgumentError
-        Where the scene has no such map.
+        Where the scene has no such map, or norm and limits do not go together.
     """
     m = _map(result, element)
-    page, axes, beside, x, y = _frame(result, element, m, f"irradiance on {element}")
+    scale = colour_norm(m.irradiance[m.decisive], norm, vmin, vmax, peaked=True)
     shown = np.ma.masked_array(m.irradiance, mask=m.hatched | m.masked)
-    amounts(axes, beside, x, y, shown, m.hatched, "irradiance", "W/m²")
-    _rims(axes, m, x[-1] / m.x_edges[-1])
-    return page.figure
+    notes = chosen(scale, norm)
+    if vmin is vmax is None:
+        notes += _left_out(m, m.irradiance, scale, "W/m²")
+    panel, x, y = _frame(result, element, m, f"irradiance on {element}", notes, ax)
+    amounts(panel, x, y, shown, m.hatched, "irradiance", "W/m²", scale)
+    _rims(panel.axes, m, x[-1] / m.x_edges[-1])
+    return whole(panel.axes)
 
 
 @styled
-def draw_relative_sigma(result: Estimates, element: str) -> Figure:
+def draw_relative_sigma(
+    result: Estimates,
+    element: str,
+    *,
+    norm: str | Normalize | None = None,
+    vmin: float | None = None,
+    vmax: float | None = None,
+    ax: Axes | None = None,
+) -> Figure:
     """Draw the relative standard error of each bin of a detector's map.
 
     Bins without a value, and every bin after a single batch, are grey. Bins with fewer than 10
@@ -70,68 +107,79 @@ def draw_relative_sigma(result: Estimates, element: str) -> Figure:
         The result.
     element : str
         Name of the element whose detector has a map.
+    norm : {"linear", "log"} or matplotlib.colors.Normalize, optional
+        Scale of the colours; by default linear.
+    vmin, vmax : float, optional
+        Limits of the scale, as parts of 1; by default from 0 to the highest bin among those that
+        set an irradiance map's scale.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into, with their colour bar; by default a page with title and footer.
 
     Returns
     -------
     matplotlib.figure.Figure
-        σ over the irradiance in percent over u and v, or over φ and cos θ.
+        σ over the irradiance in percent over u and v, or over φ and cos θ; that of `ax` where one
+        is given.
 
     Raises
     ------
     ArgumentError
-        Where the scene has no such map.
+        Where the scene has no such map, or norm and limits do not go together.
     """
     m = _map(result, element)
     known = ~m.masked & (m.irradiance > 0.0) & np.isfinite(m.sigma)
     ratio = np.divide(m.sigma, m.irradiance, out=np.full(m.sigma.shape, np.nan), where=known)
     shown = np.ma.masked_array(ratio, mask=~known)
     # A bin with a single arrival has 100 %, which would leave the lit ones in one colour.
-    decisive = ratio[known & m.lit] if (known & m.lit).any() else ratio[known]
-    top = float(decisive.max(initial=0.0)) or 1.0
-    norm = Normalize(0.0, top)
+    decisive = known & m.decisive
+    scale = colour_norm(ratio[decisive if decisive.any() else known], norm, vmin, vmax)
     target = result.info.goal.target
-    marked = target is not None and target <= top
+    marked = target is not None and _within(target, scale)
     notes = ["mark on the scale: target of the median"] if marked else []
+    if vmin is vmax is None:
+        notes += _left_out(m, ratio, scale, "%", 100.0)
     what = f"relative σ of irradiance on {element}"
-    page, axes, beside, x, y = _frame(result, element, m, what, notes)
+    panel, x, y = _frame(result, element, m, what, notes, ax)
+    axes = panel.axes
     # viridis has no grey in it, which the bins without a value have
-    drawn = bins.paint(axes, x, y, shown, colormaps["viridis"], norm)
+    drawn = bins.paint(axes, x, y, positive(shown, scale), colormaps["viridis"], scale)
     drawn.set_label("values")
+    bar = bins.colour_bar(drawn, panel, "relative σ in %", extends(shown, scale))
+    if is_log(scale):
+        log_ticks(bar.ax.yaxis, *_limits(scale))
+    bar.ax.yaxis.set_major_formatter(scaled(100.0))
+    if target is not None and marked:
+        bar.ax.axhline(target, color="#ffffff", linewidth=3.0)
+        bar.ax.axhline(target, color=INK, linewidth=1.2, label="target of the median")
+    if not shown.count():
+        bar.set_ticks([])
     grey = ~known & ~m.masked
     bins.flat(axes, x, y, grey, bins.GREY, "without a value")
     poor = m.hatched & known
     bins.hatch(axes, x, y, poor)
     patches = [bins.plain_patch(bins.GREY, "no value")] if grey.any() else []
     hatched = [bins.plain_patch("#ffffff", "below 10 rays")] if poor.any() else []
-    bins.key(axes, patches, hatched)
-    beyond = bool(shown.count()) and float(shown.max()) > top
-    bar = bins.colour_bar(drawn, beside, "relative σ in %", "max" if beyond else "neither")
-    bar.formatter = scaled(100.0)
-    if target is not None and marked:
-        bar.ax.axhline(target, color="#ffffff", linewidth=3.0)
-        bar.ax.axhline(target, color=INK, linewidth=1.2, label="target of the median")
-    if not shown.count():
-        bar.set_ticks([])
+    bins.key(panel, patches, hatched)
     _rims(axes, m, x[-1] / m.x_edges[-1])
-    return page.figure
+    return whole(axes)
 
 
 def amounts(
-    axes: Axes,
-    beside: Axes,
+    panel: bins.Panel,
     x_edges: NDArray[np.float64],
     y_edges: NDArray[np.float64],
     shown: Any,
     hatched: NDArray[np.bool_],
     what: str,
     unit: str,
+    scale: Normalize,
 ) -> None:
-    """Draw amounts on a colour scale from zero, and the bins with few rays hatched.
+    """Draw amounts in the colours of a scale, and the bins with few rays hatched.
 
     Parameters
     ----------
-    axes, beside : Axes
-        For the bins and for the colour bar.
+    panel : Panel
+        Where.
     x_edges, y_edges : ndarray
         Edges of the bins as drawn.
     shown : masked ndarray, shape (ny, nx)
@@ -140,21 +188,59 @@ def amounts(
         Bins with fewer than 10 rays.
     what, unit : str
         Name of the quantity and its SI unit.
+    scale : Normalize
+        Of the colours.
     """
-    top = float(shown.max()) if shown.count() else 0.0
-    # From zero: an irradiance is an amount, and a stretched scale makes noise look like structure.
-    norm = Normalize(0.0, top or 1.0)
-    drawn = bins.paint(axes, x_edges, y_edges, shown, colormaps["viridis"], norm)
+    axes = panel.axes
+    drawn = bins.paint(axes, x_edges, y_edges, positive(shown, scale), colormaps["viridis"], scale)
     drawn.set_label("values")
+    low, high = _limits(scale)
+    factor, name = (1.0, unit) if is_log(scale) else powered(max(abs(low), abs(high)), unit)
+    bar = bins.colour_bar(drawn, panel, f"{what} in {name}", extends(shown, scale))
+    if is_log(scale):
+        log_ticks(bar.ax.yaxis, low, high)
+    else:
+        bar.ax.yaxis.set_major_formatter(scaled(factor))
+    if not shown.count():
+        bar.set_ticks([])  # nothing is coloured: a scale would be made up
     bins.flat(axes, x_edges, y_edges, hatched, bins.HATCHED, "below 10 rays")
     bins.hatch(axes, x_edges, y_edges, hatched)
     if hatched.any():
-        bins.key(axes, [], [bins.plain_patch(bins.HATCHED, "below 10 rays")])
-    factor, name = prefixed(top, unit)
-    bar = bins.colour_bar(drawn, beside, f"{what} in {name}")
-    bar.formatter = scaled(factor)
-    if top == 0.0:
-        bar.set_ticks([])  # nothing is coloured: a scale would be made up
+        bins.key(panel, [], [bins.plain_patch(bins.HATCHED, "below 10 rays")])
+
+
+def chosen(scale: Normalize, norm: str | Normalize | None) -> list[str]:
+    """Return what is said where the values, not the reader, asked for a logarithmic scale."""
+    if norm is not None or not is_log(scale):
+        return []
+    return [f"logarithmic scale: half of the bins are below {percent(PEAKED)} of the highest"]
+
+
+def _limits(scale: Normalize) -> tuple[float, float]:
+    return float(scale.vmin or 0.0), float(scale.vmax if scale.vmax is not None else 1.0)
+
+
+def _within(value: float, scale: Normalize) -> bool:
+    low, high = _limits(scale)
+    return low <= value <= high
+
+
+def _left_out(
+    m: IrradianceMap, values: NDArray[np.float64], scale: Normalize, unit: str, factor: float = 1.0
+) -> list[str]:
+    """Return what is said of small bins that go beyond a scale which others set."""
+    found = values[m.slivers & m.lit & np.isfinite(values)]
+    low, high = _limits(scale)
+    beyond = found[(found < low) | (found > high)]
+    if not len(beyond):
+        return []
+    said = []
+    if beyond.min() < low:
+        said.append(f"down to {factor * float(beyond.min()):.3g}")
+    if beyond.max() > high:
+        said.append(f"up to {factor * float(beyond.max()):.3g}")
+    n, rim = len(beyond), "that a rim leaves less than three quarters of the area of others"
+    return [f"beyond the scale: {n:,} bin{'s' * (n != 1)} {rim}, {' and '.join(said)} {unit}"]
 
 
 def _map(result: Estimates, element: str) -> IrradianceMap:
@@ -169,33 +255,42 @@ def _map(result: Estimates, element: str) -> IrradianceMap:
 
 
 def _frame(
-    result: Estimates, element: str, m: IrradianceMap, what: str, notes: list[str] | None = None
-) -> tuple[Page, Axes, Axes, NDArray[np.float64], NDArray[np.float64]]:
-    """Return the page, axes for map and colour bar, and the edges as drawn."""
+    result: Estimates,
+    element: str,
+    m: IrradianceMap,
+    what: str,
+    notes: list[str],
+    ax: Axes | None,
+) -> tuple[bins.Panel, NDArray[np.float64], NDArray[np.float64]]:
+    """Return where to draw, and the edges as drawn."""
     across, up = m.bins.x.axis, m.bins.y.axis
-    lengths = [axis.edges for axis in (across, up) if axis.units == "m"]
-    half = max((float(np.abs(edges).max()) for edges in lengths), default=0.0)
-    scale, unit = prefixed(2.0 * half, "m") if lengths else (1.0, "")
+    scale, unit = length_unit(m)
     x, y = (_as_drawn(axis, scale) for axis in (across, up))
-    metric = len(lengths) == 2
-    if metric:
-        width, height = bins.size_of(x, y)
-        if not bins.to_scale(x, y):
-            what += "; axes not to one scale"
+    metric = across.units == up.units == "m"
+    width, height = bins.size_of(x, y) if metric else (4.85, 3.6)
+    if ax is not None:
+        panel = bins.own_axes(ax, metric and bins.to_scale(x, y))
     else:
-        width, height = 4.85, 3.6
-    page = sheet(result, what, bins.body(height), notes, m.lit_fraction)
-    axes, beside = bins.bin_axes(page, width, height)
-    axes.set_xlabel(_label(across, unit), fontsize=LABEL)
-    axes.set_ylabel(_label(up, unit), fontsize=LABEL)
-    if metric and width < 2.0:
-        axes.locator_params(axis="x", nbins=3)
-    if metric and height < 2.0:
-        axes.locator_params(axis="y", nbins=3)
-        beside.locator_params(axis="y", nbins=4)
+        if metric and not bins.to_scale(x, y):
+            what += "; axes not to one scale"
+        own = ("median relative σ of this map", m.median_sigma)
+        page = sheet(result, what, bins.body(height), notes, m.lit_fraction, own)
+        panel = bins.bin_axes(page, width, height)
+        if metric and width < 2.0:
+            panel.axes.locator_params(axis="x", nbins=3)
+        if metric and height < 2.0:
+            panel.axes.locator_params(axis="y", nbins=3)
+    panel.label(_label(across, unit), _label(up, unit))
     if across.units == "rad":
-        axes.set_xticks(np.arange(0, 361, 45))
-    return page, axes, beside, x, y
+        panel.axes.set_xticks(np.arange(0, 361, 45 if ax is None else 90))
+    return panel, x, y
+
+
+def length_unit(m: IrradianceMap) -> tuple[float, str]:
+    """Return the factor and the unit in which a map's lengths are written, here and in text."""
+    lengths = [axis.edges for axis in (m.bins.x.axis, m.bins.y.axis) if axis.units == "m"]
+    half = max((float(np.abs(edges).max()) for edges in lengths), default=0.0)
+    return prefixed(2.0 * half, "m") if lengths else (1.0, "")
 
 
 def _as_drawn(axis: Axis, scale: float) -> NDArray[np.float64]:

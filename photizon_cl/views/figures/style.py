@@ -11,10 +11,11 @@ import functools
 import math
 import warnings
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final, ParamSpec
+from typing import TYPE_CHECKING, Any, Final, ParamSpec
 
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from photizon_cl.atomic import reason, replacing, sweep
 from photizon_cl.errors import ArgumentError, show
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
     from photizon_cl.result.estimates import Estimates
 
@@ -43,10 +44,12 @@ __all__ = [
     "Page",
     "check_figure",
     "is_figure",
+    "judged_by",
     "metadata",
     "replace_figure",
     "sheet",
     "styled",
+    "whole",
     "write",
 ]
 
@@ -97,10 +100,20 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
     @functools.wraps(draw)
     def wrapped(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        if kwargs.get("ax") is not None:  # a reader's own axes keep the reader's own settings
+            return draw(*args, **kwargs)
         with _own_settings():
             return draw(*args, **kwargs)
 
     return wrapped
+
+
+def whole(axes: Axes) -> Figure:
+    """Return the figure that axes are in."""
+    figure: Any = axes.figure
+    while not isinstance(figure, Figure):  # a part of a figure
+        figure = figure.figure
+    return figure
 
 
 def write(draw: Callable[[], Figure], path: Path, kind: str) -> None:
@@ -224,6 +237,7 @@ def sheet(
     body: float,
     notes: list[str] | None = None,
     lit: float | None = None,
+    own: tuple[str, float | None] | None = None,
 ) -> Page:
     """Begin a figure.
 
@@ -240,9 +254,16 @@ def sheet(
     lit : float, optional
         Part of the bins shown that carry 10 rays, said in the footer, with a warning below one
         half.
+    own : (str, float or None), optional
+        Of what the figure shows and how well that is known: its σ leads the footer, before that of
+        the run, which may be about something else.
     """
     room = WIDTH - 2.0 * _MARGIN
-    lines = [(line, QUIET, "normal") for line in wrapped(_state(result), SMALL, room, "normal", 2)]
+    lines = [
+        (line, QUIET, "normal")
+        for text in _state(result, own)
+        for line in wrapped(text, SMALL, room, "normal", 2)
+    ]
     if lit is not None:
         text, poor = _lit(lit)
         style = (_WARNING, "bold") if poor else (QUIET, "normal")
@@ -278,20 +299,34 @@ def sheet(
     return Page(figure, height, foot, height - head - foot)
 
 
-def _state(result: Estimates) -> str:
-    """Return N and the σ achieved."""
+def _state(result: Estimates, own: tuple[str, float | None] | None) -> list[str]:
+    """Return N and σ: that of what is shown where it has one, and what the run achieved."""
     batches = "1 batch" if result.batches == 1 else f"{result.batches:,} batches"
-    achieved = result.achieved_sigma
-    if achieved is not None:
-        maps = sum(d.map is not None for d in result.detectors.values())
-        sigma = f"median relative σ {percent(achieved)}" + (" over all maps" if maps > 1 else "")
-        if result.info.goal.target is not None:
-            sigma += f" (target {percent(result.info.goal.target)})"
-    elif result.batches < 2:
-        sigma = "σ unknown from a single batch"
+    start = f"N = {result.rays:,} rays · {batches}"
+    achieved, target = result.achieved_sigma, result.info.goal.target
+    aim = "" if target is None else f" (target {percent(target)})"
+    if achieved is None:
+        unknown = result.batches < 2
+        run = "σ unknown from a single batch" if unknown else "nothing has a relative σ"
     else:
-        sigma = "nothing has a relative σ"
-    return f"N = {result.rays:,} rays · {batches} · {sigma}"
+        run = f"median relative σ {percent(achieved)} {judged_by(result)}{aim}"
+    if own is None or result.batches < 2:
+        return [f"{start} · {run}"]
+    what, sigma = own
+    if sigma is None:
+        return [f"{start} · {what} unknown", f"the run: {run}"]
+    if achieved is not None and math.isclose(sigma, achieved, rel_tol=1e-9):
+        # what the run is judged by is what is shown
+        return [f"{start} · {what} {percent(sigma)}{aim}"]
+    return [f"{start} · {what} {percent(sigma)}", f"the run: {run}"]
+
+
+def judged_by(result: Estimates) -> str:
+    """Return what the achieved σ is the median over, in a few words."""
+    maps = sum(d.map is not None for d in result.detectors.values())
+    if maps:
+        return "over all maps" if maps > 1 else "over the map"
+    return "over the detectors" if result.detectors else "over the ledger"
 
 
 def _lit(lit: float) -> tuple[str, bool]:

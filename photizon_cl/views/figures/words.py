@@ -12,7 +12,8 @@ from matplotlib.ticker import FuncFormatter
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["escaped", "fitted", "inches", "parts_of", "percent", "prefixed", "scaled", "wrapped"]
+__all__ = ["escaped", "fitted", "inches", "parts_of", "percent", "powered", "prefixed",
+           "scaled", "wrapped"]  # fmt: skip
 
 
 def escaped(text: str) -> str:
@@ -75,6 +76,30 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
     if power not in _PREFIXES:
         return 1.0, unit
     return 10.0**-power, _PREFIXES[power] + unit
+
+
+_RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def powered(largest: float, unit: str) -> tuple[float, str]:
+    """Return a power of 1000 and the unit behind it, so that `largest` is read easily.
+
+    Powers and what is made of them stay in one unit on every figure and table of a page, whatever
+    their size; lengths have prefixes instead, see `prefixed`.
+
+    Parameters
+    ----------
+    largest : float
+        In `unit`; from 0.01 to below 10⁴, and where it is no number, the factor is 1.
+    unit : str
+        An SI unit without a prefix.
+    """
+    if not 0.0 < largest < math.inf or 0.0099995 <= largest < 9999.5:
+        return 1.0, unit
+    power = 3 * math.floor(math.log10(largest * 1.0005) / 3.0)
+    if not -300 < power < 300:
+        return 1.0, unit
+    return 10.0**-power, f"10{str(power).translate(_RAISED)} {unit}"
 
 
 def scaled(factor: float) -> FuncFormatter:

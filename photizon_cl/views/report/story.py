@@ -118,8 +118,10 @@ def key_figures(result: Estimates) -> list[tuple[str, str, str]]:
         ("escaped", brief(ledger.escaped.value, ledger.escaped.sigma, "W"), ""),
         ("ledger closure", closure + " W", "emitted − all other rows"),
     ]
-    if result.lit_fraction is not None:
-        figures.append(("lit map bins", lit_percent(result.lit_fraction), "10 or more arrivals"))
+    if result.least_lit is not None:
+        name, lit, maps = result.least_lit
+        remark = f"on {name}, the least of {maps} maps" if maps > 1 else "10 or more arrivals"
+        figures.append(("lit map bins", lit_percent(lit), remark))
     rate = info.interactions / info.seconds if info.seconds > 0.0 else 0.0
     remark = f"{rate / 1e6:.3g} million a second" if rate else ""
     figures.append(("interactions", integer(info.interactions), remark))

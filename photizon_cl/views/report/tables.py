@@ -14,6 +14,7 @@ import numpy as np
 from photizon_cl.compile.effects.table import EFFECT_ROWS
 from photizon_cl.result.tallies import only_counts, ranked
 from photizon_cl.result.text import lit_percent
+from photizon_cl.views.figures.map_plots import length_unit
 from photizon_cl.views.report.numbers import amount, brief, integer, number, pair, percent, share
 
 if TYPE_CHECKING:
@@ -208,35 +209,44 @@ def map_table(name: str, element: str, m: IrradianceMap, power: Estimate) -> Tab
         ("bins with 10 or more arrivals", lit_percent(m.lit_fraction)),
         ("irradiance, mean over the area", brief(power.value / area, sigma, "W/m²")),
     ]
+    note = ""
     if m.lit.any():
         for head, sign in (("highest of these bins", 1.0), ("lowest of these bins", -1.0)):
-            value, error, at = peak(m.irradiance, m.sigma, m.lit, sign)
+            value, error, at = peak(m.irradiance, m.sigma, m.decisive, sign)
             rows.append((head, brief(value, error, "W/m²") + ", at " + _place(m, at)))
         relative = m.sigma[m.lit] / m.irradiance[m.lit]
         if np.isfinite(relative).any():
             rows.append(("median relative σ of these bins", percent(float(np.median(relative)))))
+        left = int(np.count_nonzero(m.lit & ~m.decisive))
+        if left:
+            note = (
+                f"Highest and lowest leave out {integer(left)} bin{'s' * (left != 1)} that a rim "
+                "leaves less than three quarters of the area of others."
+            )
     return Table(
         name,
         f"Irradiance map on {element}: key figures",
         (("quantity", False), ("value", False)),
         rows,
+        note,
     )
 
 
 def _place(m: IrradianceMap, at: tuple[int, int]) -> str:
     axes = (m.bins.x.axis, m.bins.y.axis)
-    places = [_middle(axis, k) for axis, k in zip(axes, at[::-1], strict=True)]
+    factor, unit = length_unit(m)
+    places = [_middle(axis, k, factor, unit) for axis, k in zip(axes, at[::-1], strict=True)]
     return ", ".join(places).replace("-", "−")
 
 
-def _middle(axis: Axis, k: int) -> str:
+def _middle(axis: Axis, k: int, factor: float, unit: str) -> str:
     """Return where the middle of a bin is."""
     value = 0.5 * (axis.edges[k] + axis.edges[k + 1])
     if axis.units == "rad":
         return f"{axis.symbol} = {np.degrees(value):.4g}°"
     if axis.units == "1":
         return f"{axis.symbol} = {value:.3g}"
-    return f"{axis.symbol} = {value:.4g} {axis.units}"
+    return f"{axis.symbol} = {factor * value:.4g} {unit}"
 
 
 def peak(

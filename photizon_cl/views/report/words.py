@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.result.text import lit_percent, with_error
+from photizon_cl.views.figures.map_plots import length_unit
 from photizon_cl.views.report.numbers import percent, plain_amount
 from photizon_cl.views.report.tables import peak
 
@@ -85,7 +86,7 @@ def _ledger(result: Estimates, _: str) -> tuple[str, str]:
     dark = len(rows) - len(lit)
     zero = f"; {dark} row{' is' if dark == 1 else 's are'} zero" if dark else ""
     emitted = plain_amount(ledger.emitted.value, 6)
-    alt = f"Bar chart of the energy ledger. Of {emitted} W emitted: {named}{zero}."
+    alt = f"Dot plot of the energy ledger. Of {emitted} W emitted: {named}{zero}."
     return alt, "The rows of the ledger with ± σ, against the emitted power."
 
 
@@ -127,25 +128,29 @@ def _irradiance(result: Estimates, element: str) -> tuple[str, str]:
     start = f"Irradiance map on {element}, {nx} by {ny} bins; "
     if not m.lit.any():
         return start + "no bin has 10 or more arrivals, so that all of it is hatched.", caption
-    high, error, (j, i) = peak(m.irradiance, m.sigma, m.lit)
-    low, _, _ = peak(m.irradiance, m.sigma, m.lit, -1.0)
-    where = f"{_middle(m.bins.x.axis, i)}, {_middle(m.bins.y.axis, j)}"
+    high, error, (j, i) = peak(m.irradiance, m.sigma, m.decisive)
+    low, _, _ = peak(m.irradiance, m.sigma, m.decisive, -1.0)
+    lengths = length_unit(m)
+    where = f"{_middle(m.bins.x.axis, i, *lengths)}, {_middle(m.bins.y.axis, j, *lengths)}"
+    cut = m.lit & ~m.decisive
+    them = "Those that no rim cuts to less than three quarters" if cut.any() else "Those"
     mean = result.detectors[element].power.value / float(m.area.sum())
     alt = (
-        f"{start}{lit_percent(m.lit_fraction)} of them have 10 or more arrivals. Those range from "
+        f"{start}{lit_percent(m.lit_fraction)} of them have 10 or more arrivals. {them} range from "
         f"{plain_amount(low)} to {_value(high, error, 'W/m²')}, highest at {where}; the mean over "
         f"the area is {plain_amount(mean)} W/m²."
     )
     return alt, caption
 
 
-def _middle(axis: Axis, k: int) -> str:
+def _middle(axis: Axis, k: int, factor: float, unit: str) -> str:
     """Say where the middle of a bin is."""
     value = float(0.5 * (axis.edges[k] + axis.edges[k + 1]))
     if axis.units == "rad":
         return f"{axis.said} {plain_amount(float(np.degrees(value)))}°"
-    unit = "" if axis.units == "1" else f" {axis.units}"
-    return f"{axis.said} {plain_amount(value)}{unit}"
+    if axis.units == "1":
+        return f"{axis.said} {plain_amount(value)}"
+    return f"{axis.said} {plain_amount(factor * value)} {unit}"
 
 
 def _sigma(result: Estimates, element: str) -> tuple[str, str]:
