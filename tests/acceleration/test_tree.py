@@ -42,16 +42,19 @@ def digest(device, scene, accelerate, lanes, run=RUN, force=frozenset(), **choic
     return total.hexdigest(), engine.statistics.interactions
 
 
-def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device):
+@pytest.mark.parametrize(
+    "simple", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["simple", "every kind"]
+)
+def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple):
     hits = 0
     for k, n in enumerate(SIZES):
-        scene = random_scene(n, seed=k)
-        run = RUN if n < 3000 else FEWER  # the plain scan takes its time
-        # few elements would make many programs: one lane builds fastest
+        # few elements would make many programs: planes, spheres and one lane build fastest
         few = n < 130
+        scene = random_scene(n, seed=k, simple=simple and few)
+        run = RUN if n < 3000 else FEWER  # the plain scan takes its time
         lanes, force = (1, frozenset({"contact"})) if few else (8, frozenset())
         plain, interactions = digest(device, scene, False, lanes, run, force)
-        fast, _ = digest(device, scene, True, 1 if few else 8, run, force)
+        fast, _ = digest(device, scene, True, lanes, run, force)
         assert fast == plain, f"{n} elements"
         hits += interactions
     assert len(SIZES) == 50
@@ -64,10 +67,14 @@ def test_the_bits_do_not_depend_on_the_lanes(device, lanes):
     assert digest(device, scene, True, lanes)[0] == digest(device, scene, False, 8)[0]
 
 
-@pytest.mark.parametrize("lanes", [2, 8, 16])
-def test_the_bits_do_not_depend_on_what_is_cached(device, lanes):
+@pytest.mark.parametrize(
+    ("lanes", "simple"),
+    [(2, True), (8, True), (16, True)]
+    + [pytest.param(lanes, False, marks=pytest.mark.slow) for lanes in (2, 8, 16)],
+)
+def test_the_bits_do_not_depend_on_what_is_cached(device, lanes, simple):
     # rays change places at every node and row; below the first nodes; never
-    scene = filled_scene(1000, seed=4)
+    scene = filled_scene(1000, seed=4, simple=simple)
     run = RunSettings(rays_per_batch=2048, generation_cap=40)
     want = digest(device, scene, False, 8, run)
     for cached in (1, 1 << 14, 1 << 30):
