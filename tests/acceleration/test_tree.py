@@ -48,11 +48,12 @@ def digest(device, scene, accelerate, lanes, run=RUN, force=frozenset(), **choic
 def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple):
     hits = 0
     for k, n in enumerate(SIZES):
-        # few elements would make many programs: planes, spheres and one lane build fastest
+        # few elements would make many programs: then one lane, or planes and spheres, build fastest;
+        # beyond 2047 what a ray remembers of a face is longer, which is another program
         few = n < 130
-        scene = random_scene(n, seed=k, simple=simple and few)
+        scene = random_scene(n, seed=k, simple=simple and n < 2048)
         run = RUN if n < 3000 else FEWER  # the plain scan takes its time
-        lanes, force = (1, frozenset({"contact"})) if few else (8, frozenset())
+        lanes, force = (1, frozenset({"contact"})) if few and not simple else (8, frozenset())
         plain, interactions = digest(device, scene, False, lanes, run, force)
         fast, _ = digest(device, scene, True, lanes, run, force)
         assert fast == plain, f"{n} elements"
