@@ -48,7 +48,7 @@ def digest(device, scene, accelerate, lanes, run=RUN, force=frozenset(), **choic
 def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple):
     hits = 0
     for k, n in enumerate(SIZES):
-        # few elements would make many programs: then one lane, or planes and spheres, build fastest;
+        # few elements would make many programs: one lane, or planes and spheres, build fastest;
         # beyond 2047 what a ray remembers of a face is longer, which is another program
         few = n < 130
         scene = random_scene(n, seed=k, simple=simple and n < 2048)
@@ -62,9 +62,13 @@ def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple):
     assert hits > 10_000  # the scenes are not empty
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 4, 8, 16])
-def test_the_bits_do_not_depend_on_the_lanes(device, lanes):
-    scene = filled_scene(216, seed=3)
+@pytest.mark.parametrize(
+    ("lanes", "simple"),
+    [(1, True), (2, True), (4, True), (8, False), (16, True)]
+    + [pytest.param(lanes, False, marks=pytest.mark.slow) for lanes in (1, 2, 4, 16)],
+)
+def test_the_bits_do_not_depend_on_the_lanes(device, lanes, simple):
+    scene = filled_scene(216, seed=3, simple=simple)
     assert digest(device, scene, True, lanes)[0] == digest(device, scene, False, 8)[0]
 
 
