@@ -99,7 +99,7 @@ def test_rays_along_the_axes_far_away_tiny_and_huge(device, unit, away):
     )
     changed = pz.Scene(name="beam", source=(beam,), element=tuple(elements))
     fast, interactions = digest(device, changed, True, 1)
-    assert fast == digest(device, changed, False, 8)[0]
+    assert fast == digest(device, changed, False, 1)[0]
     assert interactions > 2000
 
 
