@@ -55,8 +55,8 @@ def scores() -> dict[str, np.ndarray]:
 def test_two_sigma_hold_the_truth_in_95_of_100_seeds(scores, what):
     """With 32 batches the share within ±2σ̂ is 0.9457; over 600 seeds it scatters by 0.0093.
 
-    ±0.02 of it is 2.2 of that: a right engine misses it for one in 30 choices of the seeds, and never
-    for these, whose bits are fixed.
+    ±0.02 is 2.2 of that: a right engine misses it for one in 30 choices of the seeds, and never for
+    these, whose bits are fixed.
     """
     z = scores[what]
     assert abs(np.mean(np.abs(z) < 2.0) - 0.9457) <= 0.02
