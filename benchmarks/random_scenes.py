@@ -60,11 +60,12 @@ def random_scene(n, seed, simple=False):
     return pz.Scene(name="random", source=(source,), element=tuple(elements))
 
 
-def filled_scene(n, seed):
+def filled_scene(n, seed, simple=False):
     """Return about n elements that fill a closed room, each in a cell of its own.
 
     A ray goes a cell or two from hit to hit, however many there are. The cells are a cube of an
-    even number a side, so that the source stands between them.
+    even number a side, so that the source stands between them. `simple` keeps to planes and
+    spheres, whose program builds faster.
     """
     g = np.random.default_rng(seed)
     side = 2 * round(0.5 * n ** (1.0 / 3.0))
@@ -78,7 +79,7 @@ def filled_scene(n, seed):
             "axis": AXES[(i // 10) % 6],
             "surface": SURFACES[i % 5],
         }
-        elements.append(_element(i, g, float(0.4 * cell), common))
+        elements.append(_element(i % 6 if simple else i, g, float(0.4 * cell), common))
     source = pz.IsotropicPoint(name="s", flux=1.0, position=(0.0, 0.0, 0.0))
     return pz.Scene(name="filled", source=(source,), element=tuple(elements))
 

@@ -200,7 +200,8 @@ class Paraboloid(Face):
         elif at(right)[1] >= 0:
             top = right
         else:
-            for _ in range(220):
+            # half of the digits do: about its top R(z) − r changes with the square
+            for _ in range(120):
                 top = (left + right) / 2
                 left, right = (top, right) if at(top)[1] > 0 else (left, top)
         if at(top)[0] < 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import RunError
@@ -19,6 +20,7 @@ UNIT: Final = 2.0**-53
 Vector = list[Any]
 
 
+@cache
 def load_mpmath() -> Any:
     """Return the module mpmath.
 

@@ -33,7 +33,7 @@ def test_every_preset_closes_with_a_low_cap_and_with_roulette(name: str, run: di
 @pytest.mark.parametrize("number", range(20, 30))
 def test_scenes_of_everything_close(number: int) -> None:
     """Several sources with weights of their own, roulette, splitting, a cap of 9, far field."""
-    scene = load(random_scene(number))
+    scene = load(random_scene(number, alike=True))
     gates.closes(trace(scene, batches=3, rays_per_batch=1000, force=gates.ONE_PROGRAM))
 
 

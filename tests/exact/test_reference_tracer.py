@@ -12,12 +12,13 @@ from oracles import gates
 
 @pytest.mark.parametrize("number", range(12))
 def test_random_scenes_agree_with_the_reference(number: int) -> None:
-    gates.reference_agrees(number, rays=300)
+    # a few are turned anyhow, each with a program of its own
+    gates.reference_agrees(number, rays=300, alike=number > 2)
 
 
 @pytest.mark.parametrize("number", range(30, 34))
 def test_so_they_do_through_the_tree_of_boxes(number: int) -> None:
-    gates.reference_agrees(number, rays=300, force=gates.ONE_PROGRAM | {"acceleration"})
+    gates.reference_agrees(number, rays=300, force=gates.ONE_PROGRAM | {"acceleration"}, alike=True)
 
 
 @pytest.mark.parametrize("name", gates.PRESETS)

@@ -74,7 +74,8 @@ def test_much_happens_in_the_scene() -> None:
         assert found.detector(name).count > 50
 
 
-@pytest.mark.parametrize("lanes", [1, 8, 16])
+# 8 are those of the classical wavefront, below
+@pytest.mark.parametrize("lanes", [1, pytest.param(8, marks=pytest.mark.slow), 16])
 def test_lane_widths(lanes: int) -> None:
     same(scene(), lanes=lanes, refill=max(lanes // 4, 1))
 

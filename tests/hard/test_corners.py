@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -219,10 +220,15 @@ def test_walls_that_stand_far_apart_in_the_file() -> None:
     low, high = np.array([-1.0, -0.8, -0.9]), np.array([0.7, 1.1, 0.6])
     chamber = walls("plates that cross", low, high, (33.3, 0.0), SILVER, r)
     size = float(np.linalg.norm(high - low))
-    away = Rectangle(
-        name="away", position=(1.7 * size, 0.0, 0.0), axis="+x", half_width=0.01 * size,
-        half_height=0.01 * size, surface=SILVER,
+    # apart from each other, too: what lies at one place are neighbours by the million
+    between = (
+        Rectangle(
+            name="away", position=(1.7 * size, 0.003 * size * y, 0.003 * size * z), axis="+x",
+            half_width=0.001 * size, half_height=0.001 * size, surface=SILVER,
+        )
+        for y in range(-100, 100) for z in range(-100, 100)
     )  # fmt: skip
-    apart = [e for wall in chamber.elements for e in (wall, *[away] * 2047)]
+    apart = [e for wall in chamber.elements for e in (wall, *islice(between, 2047))]
+    assert next(between, None) is not None  # there were enough
     starts, along = rays_at_edges(r, chamber, RAYS)
     assert leaks(replace(chamber, elements=named(apart)), starts, along) == (0, 0, 0)

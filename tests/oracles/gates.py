@@ -299,12 +299,14 @@ def periscope() -> None:
 
 
 ONE_PROGRAM = frozenset({"tilt", "shares"})
-"""Effects forced on so that all random scenes have the same program."""
+"""Effects forced on so that all random scenes that are `alike` have the same program."""
 
 
-def reference_agrees(number: int, rays: int = 200, force: frozenset[str] = ONE_PROGRAM) -> None:
+def reference_agrees(
+    number: int, rays: int = 200, force: frozenset[str] = ONE_PROGRAM, *, alike: bool = False
+) -> None:
     """A random scene of everything has the tallies of the plain reference tracer."""
-    tables = scenes.random_scene(number, rays=rays)
+    tables = scenes.random_scene(number, rays=rays, alike=alike)
     made = compiled(load(tables), force, seed=2**40 + number)
     assert compare.differences(trace_compiled(made), tables, 1e-9) == []
 

@@ -24,10 +24,11 @@ def glass(index: float, outside: float = 1.0) -> dict[str, Any]:
     return {"surface": {"kind": "fresnel", "index": index, "index_outside": outside}}
 
 
-def random_scene(number: int, *, rays: int = 300) -> dict[str, Any]:
+def random_scene(number: int, *, rays: int = 300, alike: bool = False) -> dict[str, Any]:
     """Return a scene with every kind of everything, at random places and turned at random.
 
-    With tilt forced all such scenes have one program: two of every sphere and of every material.
+    Scenes that are `alike` have one program where tilt and shares are forced: there are two of
+    every sphere and of every material, and of flat elements one across each axis and a tilted one.
     """
     r = random.Random(1000 + number)
 
@@ -64,6 +65,14 @@ def random_scene(number: int, *, rays: int = 300) -> dict[str, Any]:
         {**sphere(port_fraction=r.uniform(0.01, 0.6)), **some_mirror()},
         {**sphere(port_fraction=r.uniform(0.01, 0.6)), **some_matt()},
     ]
+    if alike:
+        for kind in ("rectangle", "disk"):
+            for n, flat in enumerate(e for e in elements if e["kind"] == kind):
+                letter = "xyzt"[(n + number) % 4]
+                if letter != "t":
+                    flat |= {"axis": flat["axis"][0] + letter, "tilt_deg": [0.0, 0.0]}
+                elif not any(flat["tilt_deg"]):
+                    flat["tilt_deg"] = [30.0 + number, -20.0]
     r.shuffle(elements)
     sources = []
     kinds = ("isotropic-point", "cosine-point", "lambertian-disk", "lambertian-sphere")

@@ -1,4 +1,4 @@
-"""SIGKILL at fifty random moments, and every bit as if nothing had happened."""
+"""SIGKILL at random moments, and every bit as if nothing had happened."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 SCRIPT = Path(__file__).with_name("killed_run.py")
 ROOT = Path(__file__).resolve().parents[2]
-KILLS = 50
-BATCHES = 3000
+PER_KILL = 60
 
 
 class Runs:
     """Starts runs, one at a time, and kills them; see killed_run.py."""
 
     def __init__(self) -> None:
+        self.batches = 0
         self.process = subprocess.Popen(
             [sys.executable, SCRIPT],
             cwd=ROOT,
@@ -52,7 +52,7 @@ class Runs:
 
     def start(self, folder: Path, verb: str, until: str) -> None:
         """Start a run and return when it has said a word."""
-        self.say(json.dumps([str(folder), BATCHES, verb]))
+        self.say(json.dumps([str(folder), self.batches, verb]))
         word, number = self.hear()
         assert word == "ready"
         self.number = int(number)
@@ -67,7 +67,7 @@ class Runs:
         self.say("")
         while (heard := self.hear())[0] != "ended":
             assert heard == ["tracing"]
-        assert heard[1] == str(-signal.SIGKILL), "it was done before the kill: raise BATCHES"
+        assert heard[1] == str(-signal.SIGKILL), "it was done before the kill: raise PER_KILL"
 
 
 @pytest.fixture
@@ -80,13 +80,15 @@ def runs() -> Iterator[Runs]:
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-def test_killed_at_fifty_random_moments(tmp_path, runs):
+@pytest.mark.parametrize("kills", [15, pytest.param(50, marks=pytest.mark.slow)])
+def test_killed_at_random_moments(tmp_path, runs, kills):
     # Each wave is one batch and ends in a checkpoint, so many moments fall into writing one. Every
     # run goes on from the one killed before it.
     chance = random.Random(20261122)
+    runs.batches = kills * PER_KILL
     folder = tmp_path / "run"
     batches, torn = [], 0
-    for k in range(KILLS):
+    for k in range(kills):
         begun = (folder / "checkpoint.nc").exists()
         # one in five while it starts up, the others while it traces
         until = "tracing" if k % 5 else "ready"
@@ -100,11 +102,11 @@ def test_killed_at_fifty_random_moments(tmp_path, runs):
         assert left is not None
         batches.append(left.batches)
     assert batches == sorted(batches)  # nothing that was kept is ever lost
-    assert len(set(batches)) > KILLS // 2  # kills fell into the run
+    assert len(set(batches)) > kills // 2  # kills fell into the run
     assert torn > 0  # ... and into the writing of a checkpoint
     result = pz.resume(folder)
-    assert result.batches == BATCHES
-    whole = pz.trace("box-room", rays_per_batch=512, batches=BATCHES)
+    assert result.batches == runs.batches
+    whole = pz.trace("box-room", rays_per_batch=512, batches=runs.batches)
     assert result.tally_digest == whole.tally_digest
     result.save(folder, figures=False)
     assert not list(folder.glob(f"{TEMPORARY}*"))

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from oracles.engine import PLAN, compiled, open_device, trace_compiled
+from oracles.engine import PLAN, compiled, trace_compiled
 
 import photizon_cl as pz
-from hostcode.device.device import preferred_lanes
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import SceneError
 from photizon_cl.scene.described import parameters_of
@@ -53,10 +52,8 @@ def of_kind(scene: pz.Scene, group: str, kind: str) -> Any:
     return next(thing for thing in things if thing.kind == kind)
 
 
-def wide() -> int:
-    """Return the device's own width; 8 where that is 1, which is the other one compared."""
-    width = preferred_lanes(open_device().record)
-    return width if width > 1 else 8
+WIDE = 8
+"""What one lane is compared with; 16 builds for half a minute, and are among the slow tests."""
 
 
 def named(name: str) -> pz.Scene:

@@ -17,6 +17,7 @@ import pytest
 from contract import (
     GROUPS,
     ROWS,
+    WIDE,
     every_kind,
     everything,
     of_kind,
@@ -24,7 +25,6 @@ from contract import (
     surface,
     traced,
     turned,
-    wide,
 )
 from oracles.engine import PLAN, compiled, scene_of, trace
 from oracles.scenes import beam, wall
@@ -238,9 +238,9 @@ def conserved(found: Any) -> None:
     assert max(map(abs, found.closures())) <= slack
 
 
-def test_nothing_is_lost_in_a_scene_of_everything():
-    for lanes in (1, wide()):
-        conserved(traced("everything", lanes))
+@pytest.mark.parametrize("lanes", [1, WIDE, pytest.param(16, marks=pytest.mark.slow)])
+def test_nothing_is_lost_in_a_scene_of_everything(lanes):
+    conserved(traced("everything", lanes))
 
 
 def plate(surface: Any) -> Any:

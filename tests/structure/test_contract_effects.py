@@ -13,6 +13,7 @@ import pytest
 from contract import (
     ALL_EFFECTS,
     ROWS,
+    WIDE,
     every_effect,
     every_kind,
     everything,
@@ -21,7 +22,6 @@ from contract import (
     of_kind,
     same_cells,
     traced,
-    wide,
 )
 from oracles.engine import compiled
 
@@ -40,8 +40,9 @@ PLAIN = ("box-room", "element-sphere")
 # -- lanes -----------------------------------------------------------------------------------------
 
 
-def test_lanes_change_no_bit_of_a_scene_of_everything():
-    narrow, broad = traced("everything", 1), traced("everything", wide())
+@pytest.mark.parametrize("lanes", [WIDE, pytest.param(16, marks=pytest.mark.slow)])
+def test_lanes_change_no_bit_of_a_scene_of_everything(lanes):
+    narrow, broad = traced("everything", 1), traced("everything", lanes)
     layout = narrow.compiled.layout
     names = [e.name for e in everything().element] + [row.name for row in layout.rows]
     different = [
@@ -74,7 +75,7 @@ def test_lanes_change_no_bit_of_an_effect(effect):
     plain, name, force = traced("everything", 1), "everything", frozenset()
     if effect.name not in plain.compiled.effects:
         name, force = PLAIN[0], ALL_EFFECTS
-    narrow, broad = traced(name, 1, force), traced(name, wide(), force)
+    narrow, broad = traced(name, 1, force), traced(name, WIDE, force)
     assert effect.name in narrow.compiled.effects
     assert narrow.digest == broad.digest
     assert same_cells(narrow, traced(name, 1))
@@ -85,7 +86,7 @@ def test_a_filter_loses_no_arrival_at_any_width(kind):
     cls = FILTERS[kind]
     assert (kernels_dir() / "filters" / f"{cls.kernel}.mako").is_file()
     assert cls.what
-    narrow, broad = traced("everything", 1), traced("everything", wide())
+    narrow, broad = traced("everything", 1), traced("everything", WIDE)
     used = 0
     for detector in narrow.compiled.layout.detectors:
         for tally in detector.tallies:

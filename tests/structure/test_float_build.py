@@ -37,6 +37,8 @@ from photizon_docs.examples import example
 LANES = (1, 4)
 CASES = (("scan", ()), ("scan", ("contact",)), ("tree", ("contact",)))
 """How faces are sought, and what is forced on."""
+BRIEFLY = ((CASES[1], 4), (CASES[2], 1))
+"""Those that are built unless slow tests are asked for: each template, and either width."""
 
 
 @cache
@@ -71,8 +73,14 @@ def test_presets(device: OpenDevice, preset: str, lanes: int) -> None:
     build_silently(device, compiled(preset).tables.spec, lanes, "wave")
 
 
-@pytest.mark.parametrize("lanes", LANES)
-@pytest.mark.parametrize(("search", "forced"), CASES)
+@pytest.mark.parametrize(
+    ("search", "forced", "lanes"),
+    [
+        pytest.param(*case, lanes, marks=() if (case, lanes) in BRIEFLY else pytest.mark.slow)
+        for case in CASES
+        for lanes in LANES
+    ],
+)
 def test_every_kind(device: OpenDevice, search: str, forced: tuple[str, ...], lanes: int) -> None:
     scene = every_kind()
     made = compile_scene(scene, scene.run, **with_tree(search == "tree", frozenset(forced)))
