@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from photizon_cl.checks.coincident import coincident_faces
+from photizon_cl.scene.elements.base import OTHER_SIDE
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
 
@@ -80,7 +81,8 @@ def _blind_detectors(scene: Scene) -> Iterator[str]:
         if element.detector is None:
             continue
         if all(_is_behind(element, source) for source in scene.source):
-            advice = "name the other side"
+            other = OTHER_SIDE[element.detector_side or element.default_side]
+            advice = f'set its side to "{other}"'
             yield (
                 f'the detector on "{element.name}" faces away from every source and nothing '
                 f"reflects light to its face: it will read zero; {advice}"

@@ -33,6 +33,7 @@ def _print(scene: Scene) -> None:
     from photizon_cl.checks.advisories import advisories
     from photizon_cl.cli.tables import console, heading, paragraph
     from photizon_cl.compile.compiled import compile_scene
+    from photizon_cl.scene.frames import direction_words
 
     compiled = compile_scene(scene, scene.run)
     out = console()
@@ -63,6 +64,9 @@ def _print(scene: Scene) -> None:
         if element.detector is not None:
             what = _describe(element.detector) or "power"
             line(f"detector: {what}; counts the side {element.detector_side}", "    ")
+            if element.detector.map is not None:
+                u, v, w = map(direction_words, element.frame)
+                line(f"map: u is {u}, v is {v}, the axis {w}", "    ")
     out.print()
     found = advisories(scene)
     out.print(Text(f"advisories: {len(found) or 'none'}", "bold"))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from photizon_cl.errors import show
 from photizon_cl.result.stopping import LEAST_BATCHES
 from photizon_cl.result.text import lit_percent
+from photizon_cl.scene.elements.base import OTHER_SIDE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,14 +20,16 @@ __all__ = ["run_advisories"]
 _CAPPED: Final = 1e-6  # depth-capped part of the flux that is worth a word
 _LIT: Final = 0.5  # part of the map bins that should be lit
 
-_OTHER_SIDE: Final = {
-    "inside": "outside", "outside": "inside", "front": "back", "back": "front",
-}  # fmt: skip
-
 
 def run_advisories(result: Estimates) -> list[str]:
     """Return one sentence for each thing that a run's outcome gives reason for."""
-    return [*_short(result), *_dark_detectors(result), *_capped(result), *_unlit(result)]
+    return [
+        *_short(result),
+        *_missed(result),
+        *_dark_detectors(result),
+        *_capped(result),
+        *_unlit(result),
+    ]
 
 
 def _short(result: Estimates) -> Iterator[str]:
@@ -50,6 +53,14 @@ def _short(result: Estimates) -> Iterator[str]:
         yield f"σ from {result.batches} batches is itself uncertain; run {LEAST_BATCHES} or more"
 
 
+def _missed(result: Estimates) -> Iterator[str]:
+    if result.scene.element and result.batches and not result.info.interactions:
+        yield (
+            "not one ray met an element: all of the power escapes; see where the sources stand and "
+            "shine, with `photizon show` for example"
+        )
+
+
 def _dark_detectors(result: Estimates) -> Iterator[str]:
     elements = {e.name: e for e in result.scene.element}
     for name, detector in result.detectors.items():
@@ -63,7 +74,7 @@ def _dark_detectors(result: Estimates) -> Iterator[str]:
 
 def _turn(element: Element) -> str:
     side = element.detector_side or element.default_side
-    return f'set its side to "{_OTHER_SIDE[side]}" (it is "{side}")'
+    return f'set its side to "{OTHER_SIDE[side]}" (it is "{side}")'
 
 
 def _capped(result: Estimates) -> Iterator[str]:
@@ -77,12 +88,12 @@ def _capped(result: Estimates) -> Iterator[str]:
 
 
 def _unlit(result: Estimates) -> Iterator[str]:
-    worst = result.least_lit
-    if worst is None or worst[1] >= _LIT:
-        return
-    name, lit, maps = worst
-    least = f", the least of {maps} maps" if maps > 1 else ""
-    yield (
-        f"only {lit_percent(lit)} of the map bins carry at least 10 rays on {show(name)}{least}, "
-        "and σ is the median over those alone; run longer or take coarser bins"
-    )
+    """Find maps in which most of what is lit is known badly; what stays dark is no fault."""
+    for name, detector in result.detectors.items():
+        if detector.map is None or detector.map.known_fraction >= _LIT:
+            continue
+        yield (
+            f"only {lit_percent(detector.map.known_fraction)} of the bins of {show(name)} that any "
+            "ray reaches carry at least 10, and σ is the median over those alone; run longer or "
+            "take coarser bins"
+        )

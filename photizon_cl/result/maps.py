@@ -148,6 +148,12 @@ class IrradianceMap:
         return float(self.lit.sum() / max((~self.masked).sum(), 1))
 
     @property
+    def known_fraction(self) -> float:
+        """Part of the bins that any ray reaches that have at least 10 arrivals; 1 where none does."""
+        reached = int(((self.count > 0) & ~self.masked).sum())
+        return float(self.lit.sum() / reached) if reached else 1.0
+
+    @property
     def slivers(self) -> NDArray[np.bool_]:
         """Bins of less than three quarters of the largest one's area, shape (ny, nx).
 

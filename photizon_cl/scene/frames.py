@@ -143,3 +143,14 @@ def to_local(rows: Frame, offset: Vec3) -> Vec3:
     x, y, z = offset
     u, v, w = (row[0] * x + row[1] * y + row[2] * z for row in rows)
     return (u, v, w)
+
+
+def direction_words(vector: Vec3) -> str:
+    """Return a unit vector as people write it: an axis name where it is one, else its components.
+
+    Components are rounded to three digits; one that is 0 to that many is written so.
+    """
+    for name in AXES:
+        if vector == _FRAMES[name][2]:
+            return name
+    return "(" + ", ".join(f"{round(x, 3) + 0.0:g}" for x in vector) + ")"

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 FLAT_SIDES: Final = ("front", "back")
 CURVED_SIDES: Final = ("inside", "outside")
+OTHER_SIDE: Final = {
+    "inside": "outside", "outside": "inside", "front": "back", "back": "front",
+}  # fmt: skip
 _ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bring it to a face
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib import colormaps
 
 from photizon_cl.errors import ArgumentError, show
+from photizon_cl.scene.frames import direction_words
 from photizon_cl.views.figures import bins
 from photizon_cl.views.figures.scales import (
     PEAKED,
@@ -20,6 +21,8 @@ from photizon_cl.views.figures.scales import (
 from photizon_cl.views.figures.style import INK, sheet, styled, whole
 from photizon_cl.views.figures.words import percent, powered, prefixed, scaled
 
+_ALONG = ("u", "v", "w")
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.colors import Normalize
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.maps import IrradianceMap
+    from photizon_cl.scene.elements import Element
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = ["draw_irradiance", "draw_relative_sigma", "length_unit"]
@@ -280,7 +284,8 @@ def _frame(
             panel.axes.locator_params(axis="x", nbins=3)
         if metric and height < 2.0:
             panel.axes.locator_params(axis="y", nbins=3)
-    panel.label(_label(across, unit), _label(up, unit))
+    owner = next(e for e in result.scene.element if e.name == element)
+    panel.label(_label(across, unit, owner), _label(up, unit, owner))
     if across.units == "rad":
         panel.axes.set_xticks(np.arange(0, 361, 45 if ax is None else 90))
     return panel, x, y
@@ -300,11 +305,15 @@ def _as_drawn(axis: Axis, scale: float) -> NDArray[np.float64]:
     return np.degrees(axis.edges) if axis.units == "rad" else axis.edges
 
 
-def _label(axis: Axis, unit: str) -> str:
+def _label(axis: Axis, unit: str, element: Element) -> str:
+    """Return what stands at an axis: its symbol, where that points in the world, its unit."""
     unit = {"m": unit, "rad": "degrees"}.get(axis.units, "")
+    symbol = axis.symbol
+    if symbol in _ALONG:
+        symbol += f" ({direction_words(element.frame[_ALONG.index(symbol)])})".replace("-", "−")
     if not unit:
-        return f"{axis.symbol} {axis.about}".strip()
-    return f"{axis.symbol} in {unit}" + (f", {axis.about}" if axis.about else "")
+        return f"{symbol} {axis.about}".strip()
+    return f"{symbol} in {unit}" + (f", {axis.about}" if axis.about else "")
 
 
 def _rims(axes: Axes, m: IrradianceMap, scale: float) -> None:
