@@ -12,14 +12,15 @@
 ##            escaped: lanes that leave the scene; met: lanes of `found` that do not just pass;
 ##            element: its number in file order, of the lanes in `found`; takes: lanes whose element takes
 ##            what does not go on; before: the weight that arrives, as an image_t (limbs.mako) to be
-##            counted; outcome: what goes on (event.mako), with the packet's weight behind the surface;
-##            end: what is recorded, where anything is.  The ledger is booked already: change no weight.
+##            booked; outcome: what goes on (event.mako), with the packet's weight behind the surface;
+##            end: what is recorded, where anything is.  The ledger is booked already: a weight that is
+##            changed in `outcome` is booked by the hook.
 ##   survive  (in survive) p: the packet at the start of its next segment, or the second ray of the lanes
 ##            that split (may be written: w, alive, each change booked); met: the lanes that made an
-##            interaction.
+##            interaction, whether or not a ray goes on in them: rays are in p->alive & met.
 ##
 ## An image_t is a weight as three integers, in units of 2^-31, 2^-63 and 2^-95: image_of(w) makes one,
-## book_row books it on a row of the effect, count_weights adds it to the effect's cells.
+## book_row books it on a row of the effect.  count_weights adds a `real` to the effect's cells.
 // One interaction, the only one that there is: travel -> shade -> record -> survive, from the nearest
 // face on.  The persistent packet, the whole path, the classical stages, the follower and the path
 // recorder all call it.

@@ -3,6 +3,8 @@
 import copy
 import math
 
+from photizon_cl.scene import registry
+
 DELETE = object()
 APPEND = object()
 
@@ -63,11 +65,8 @@ FRACTION = "a number in [0, 1]"
 INDEX = "a refractive index, a number from 0.001 to 1000"
 BINS = "an integer from 1 to 8192"
 POWER = "a positive power in watts, from 1e-150 to 1e150"
-KINDS = (
-    'one of "rectangle" "disk" "sphere" "cpc" "baffled-tube" "plano-convex" "biconvex" '
-    '"cylinder" "cone" "conic"'
-)
-SURFACES = 'one of "absorber" "mirror" "lambertian" "fresnel" "clear" "mixed"'
+KINDS = "one of " + " ".join(f'"{kind}"' for kind in registry.ELEMENTS)
+SURFACES = "one of " + " ".join(f'"{kind}"' for kind in registry.SURFACES)
 PORT = "0, or a number from 1e-16 up to but not including 1"
 
 

@@ -24,6 +24,7 @@ from photizon_cl.scene.elements.flat import Flat
 from photizon_cl.scene.faces import Ball, Circular, Plane, Rectangular, Revolved
 from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
+from photizon_cl.views.drawing.sections import DETECTOR, SOURCE
 
 SILVER, BLACK = pz.Mirror(1.0), pz.Absorber()
 WHERE: dict[str, Any] = {"position": (0.3, -0.2, 0.1), "axis": "-y", "surface": BLACK}
@@ -351,7 +352,7 @@ def test_sources_say_how_far_they_reach(kind: str) -> None:
 def test_surfaces_say_what_they_do() -> None:
     traits = ("absorbs", "reflects", "transmits", "refracts", "splits", "draws", "carries_detector")
     said = {kind: {t for t in traits if getattr(cls, t)} for kind, cls in SURFACES.items()}
-    assert said == {
+    known = {
         "absorber": {"absorbs", "carries_detector"},
         "mirror": {"absorbs", "reflects"},
         "lambertian": {"absorbs", "reflects", "draws"},
@@ -359,7 +360,11 @@ def test_surfaces_say_what_they_do() -> None:
         "clear": {"transmits", "carries_detector"},
         "mixed": {"absorbs", "reflects", "splits", "draws"},
     }
+    assert {kind: said[kind] for kind in known} == known
     assert len({cls.label_text for cls in SURFACES.values()}) == len(SURFACES)
+    # one from another, and from what drawings show besides
+    colours = [cls.colour for cls in SURFACES.values()] + [DETECTOR, SOURCE]
+    assert len(set(colours)) == len(colours)
     assert pz.Fresnel(1.5, 1.5).advice()
     assert not pz.Fresnel(1.5).advice()
 

@@ -42,7 +42,7 @@ class Mixed(Surface):
     )
     reflects: ClassVar[bool] = True
     draws: ClassVar[bool] = True
-    colour: ClassVar[str] = "#e69f00"
+    colour: ClassVar[str] = "#882255"
     label_text: ClassVar[str] = "mixed reflector"
 
     specular: float = field(metadata=fraction("part of the power that is reflected specularly"))

@@ -31,7 +31,7 @@ __all__ = ["colour_key", "draw_section", "draw_sections", "legend_handles", "ray
 INK: Final = "#222222"
 _FAINT: Final = "#b5b5b5"
 SOURCE: Final = "#e69f00"
-_DETECTOR: Final = "#d55e00"
+DETECTOR: Final = "#d55e00"
 _RAYS: Final = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.86, 256)))
 _MOST_SHADES: Final = 12
 NAMES: Final = "xyz"
@@ -87,7 +87,7 @@ def colour_key(figure: Figure, bar: ScalarMappable, label: str, axes: Axes) -> N
 
 def colour_of(element: Element) -> str:
     """Return the colour of an element."""
-    return _DETECTOR if element.detector is not None else element.surface.colour
+    return DETECTOR if element.detector is not None else element.surface.colour
 
 
 def legend_handles(scene: Scene) -> list[Line2D]:
@@ -167,7 +167,7 @@ def draw_section(
         if element.detector is not None and element.flat:
             sign = 1.0 if element.detector_plus else -1.0
             du, dv, dw = (sign * d for d in element.frame[2])
-            _arrow(axes, box, element.position, (du, dv, dw), h, v, _DETECTOR, 0.2)
+            _arrow(axes, box, element.position, (du, dv, dw), h, v, DETECTOR, 0.2)
     for source in scene.source:
         _draw_source(axes, box, source, h, v)
     axes.set_xlim(box.low[h] * scale, box.high[h] * scale)

@@ -144,12 +144,19 @@ def _physics(result: Estimates) -> Iterator[Markup]:
         "constants holds for the whole run.{}"
     ).format(glass)
     yield Markup(
-        "<strong>Ideal surfaces and exact shapes.</strong> Absorbers, mirrors, Lambertian "
-        "scatterers and smooth glass, without measured scatter, roughness or dust; shapes without "
-        "tolerances or mounts."
-    )
+        "<strong>Ideal surfaces and exact shapes.</strong> {}, without measured scatter, roughness "
+        "or dust; shapes without tolerances or mounts."
+    ).format(_surfaces(result))
     if result.detectors:
         yield Markup(
             "<strong>Detectors count one side</strong> and all angles of incidence alike; the "
             "absorbed rows of the ledger count both sides."
         )
+
+
+def _surfaces(result: Estimates) -> str:
+    """Return what the scene's surfaces are, as the beginning of a sentence."""
+    labels = dict.fromkeys(e.surface.label_text for e in result.scene.element)
+    *rest, last = labels or ["no surface"]
+    text = f"{', '.join(rest)} and {last}" if rest else last
+    return text[:1].upper() + text[1:]
