@@ -19,7 +19,15 @@ if TYPE_CHECKING:
 __all__ = ["BUDGET", "Queue"]
 
 BUDGET: Final = 1 << 30
-"""Bytes of device memory that waiting rays may take."""
+"""Bytes of device memory that waiting rays may take, on a device of little memory."""
+_PART: Final = 8
+"""On one of much memory, the part of it that they may take."""
+
+
+_FEWER: Final = (
+    "more rays split off than may wait; set roulette_floor (1e-6, say), or lower generation_cap or "
+    "rays_per_batch"
+)
 
 
 class Queue:
@@ -43,6 +51,8 @@ class Queue:
         self._cl, self._device, self._spec = cl, device, spec
         self.n_items, self.capacity = n_items, capacity
         self.budget = BUDGET
+        if device.record.type == "gpu":  # its memory is no one else's
+            self.budget = max(BUDGET, device.record.global_memory // _PART)
         self._layout: tuple[tuple[int, Any], ...] = (
             (len(of_type(spec.ray_fields, "real")), np.float64),
             (len(of_type(spec.ray_fields, "word")), np.uint32),
@@ -83,10 +93,8 @@ class Queue:
         if max(sizes) <= record.max_allocation and sum(sizes) <= self.budget:
             return
         raise QueueFull(
-            f"{self.n_items * capacity // 2} rays that split off are waiting and more come: "
-            f"room for twice as many takes {sum(sizes) / 1e9:.1f} GB, and the queue may have "
-            f"{min(record.max_allocation, self.budget) / 1e9:.1f} GB: set roulette_floor (1e-6, "
-            "say), or lower generation_cap or rays_per_batch, so that fewer wait"
+            f"room for {self.n_items * capacity} waiting rays takes {sum(sizes) / 1e9:.1f} GB, and "
+            f"the queue may have {min(record.max_allocation, self.budget) / 1e9:.1f} GB: {_FEWER}"
         )
 
     def _rows(self, n: int, capacity: int) -> tuple[int, int]:
@@ -101,10 +109,18 @@ class Queue:
         Raises
         ------
         QueueFull
-            Where there is no room for it; then everything is as it was.
+            Where there is no room for it; the queue is of no more use then.
         """
         old, kept = self.capacity, self.fields
         self._check(2 * old)
+        try:
+            self._double(old, kept)
+        except self._cl.MemoryError as error:
+            raise QueueFull(
+                f"the device has no memory for {2 * self.places} waiting rays: {_FEWER}"
+            ) from error
+
+    def _double(self, old: int, kept: list[cl.Buffer]) -> None:
         self.capacity = 2 * old
         self.fields = []
         for n, dtype in self._layout:

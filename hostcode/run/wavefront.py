@@ -201,11 +201,11 @@ class Engine:
             lanes = self.plan.lanes
             rays = math.ceil(self._rays_per_item() / lanes) * lanes
             return 2 * rays + lanes if splitting else rays
+        most = _WAITING_BYTES // (self._items * Queue.bytes_of_a_ray(self.tables.spec))
         if self.plan.composition == "whole-path":
-            return self.plan.stack_rays if splitting else 1
+            return max(min(self.plan.stack_rays, most), 4) if splitting else 1
         if not splitting:
             return self.plan.lanes
-        most = _WAITING_BYTES // (self._items * Queue.bytes_of_a_ray(self.tables.spec))
         return max(min(self.plan.stack_rays, most), 4 * self.plan.lanes)
 
     def _count_records(self) -> int:

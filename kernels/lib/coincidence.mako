@@ -8,8 +8,8 @@
 //
 // Of two faces in one place rounding decides which is nearer.  So where the nearest face may lie in
 // others, a second search looks at all that is met there.  What is `there` follows from the nearest
-// face and the other one alone, so that the order of the search does not matter: they are no farther
-// apart, along the other's normal, than their rounding can bring them.
+// face and the other one alone, so that the order of the search does not matter: they have one tangent
+// plane, and are no farther apart along its normal than their rounding can bring them.
 
 #define IN_OTHERS(code) INE((code) & (1L << ${code["coincident"].shift}), lsplat(0L))
 // Rounding of a point on a ray, relative to its coordinates, eight times over.
@@ -18,6 +18,8 @@
 // runs along it at less than 2^-35 rad.
 #define FARTHEST R(0x1p-10)
 #define NO_RANK LONG_MAX
+
+FN void locate(const scene_t *scene, const packet_t *p, const hit_t *h, contact_t *c);
 
 FN lint rank_of(lint code, mask from_behind) {
     lint rank = lsplat(2L);
@@ -38,6 +40,9 @@ FN bool begin_settling(const scene_t *scene, search_t *search, const packet_t *p
     if (!ANY(search->shared)) return false;
     const lint row = SELI(search->shared, ELEMENT_OF(h->code) * ROW, lsplat(0L));
     const real origin = fabs(p->ox) + fabs(p->oy) + fabs(p->oz);
+    contact_t c;
+    locate(scene, p, h, &c);
+    search->nx = c.nx; search->ny = c.ny; search->nz = c.nz;
     search->room = fma(origin + h->t, COINCIDENT, gather(scene->geometry + COINCIDENCE_ROOM, row));
     search->nearest = h->t;
     search->t = h->t;
@@ -49,15 +54,18 @@ FN bool begin_settling(const scene_t *scene, search_t *search, const packet_t *p
     return true;
 }
 
-// A face that is met, in the lanes of m.  d_n: the ray's direction along its normal.  room: for the
-// rounding of its element.
+// A face that is met, in the lanes of m, with its contact.  room: for the rounding of its element.
 FN void settle(search_t *search, const packet_t *p, mask m, real farthest, real t, lint code, real plane, mask edge,
-               mask from_behind, real d_n, real room) {
+               const contact_t *c, real room) {
+    const real d_n = dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz);
+    // faces in one place have one tangent plane there; a wall and the floor on which it stands do not
+    const real along = fabs(dot3(search->nx, search->ny, search->nz, c->nx, c->ny, c->nz));
     // where a face is met where the ray starts, the one that it left is at the far end of a chord, however short
     const mask far_end = EQ(search->nearest, splat(0.0)) & IEQ(code, p->left >> 2);
     const mask there = EQ(t, search->nearest)
-        | (LE(fabs((t - search->nearest) * d_n), ${point("coincidence.room", "(search->room + room)")}) & LE(t, farthest) & ~far_end);
-    const lint rank = rank_of(code, from_behind);
+        | (LE(fabs((t - search->nearest) * d_n), ${point("coincidence.room", "(search->room + room)")}) & LE(t, farthest) & ~far_end
+           & ${point("coincidence.parallel", "GE(along, R(1.0 - 0x1p-30))")});
+    const lint rank = rank_of(code, ~came_from_plus(p, c));
     const mask first = m & there & (ILT(rank, search->rank) | (IEQ(rank, search->rank) & ILT(code, search->code)));
     search->t = SEL(first, t, search->t);
     search->code = SELI(first, code, search->code);

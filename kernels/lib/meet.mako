@@ -28,8 +28,7 @@ FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, lon
         there.plane = ${f"splat(row[ROW_X + {cls.axis}])" if cls.flat and cls.axis is not None else "h->plane"};
         contact_t c = no_contact(p, t);
         place_${cls.suffix}(scene, p, &there, asked, &c);
-        settle(search, p, asked, h->t, t, hit_code, there.plane, there.edge, ~came_from_plus(p, &c),
-               dot3(p->dx, p->dy, p->dz, c.nx, c.ny, c.nz), splat(row[COINCIDENCE_ROOM]));
+        settle(search, p, asked, h->t, t, hit_code, there.plane, there.edge, &c, splat(row[COINCIDENCE_ROOM]));
         return;
     }
 % endif

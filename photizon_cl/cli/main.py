@@ -16,12 +16,13 @@ import signal
 import sys
 import threading
 import warnings
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from hostcode.errors import CacheWarning
 from photizon_cl.errors import PhotizonError, RunWarning, printable, printable_lines
+from photizon_cl.run.interruption import ends_a_run
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -136,7 +137,7 @@ def _plain_warnings() -> Iterator[None]:
 
 @contextmanager
 def _other_signals() -> Iterator[None]:
-    """Have a signal that would end the process do what Ctrl-C does: what there is is saved.
+    """Have signals that would end the process do what Ctrl-C does: what there is is saved.
 
     One that was asked to be ignored, as by nohup, stays ignored.
     """
@@ -146,7 +147,7 @@ def _other_signals() -> Iterator[None]:
     known = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
     ours = [number for number in known if signal.getsignal(number) is signal.SIG_DFL]
     for number in ours:
-        signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
+        signal.signal(number, ends_a_run)
     try:
         yield
     finally:
@@ -201,19 +202,25 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except PhotizonError as error:
-        print(printable_lines(str(error)), file=sys.stderr)
+        _tell(printable_lines(str(error)))
         return error.exit_code
     except BrokenPipeError:
         # The reader had enough. Python flushes at its end: give it somewhere to flush to.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:  # standard output that cannot be written: a full disk, say
-        print(f"photizon: the output cannot be written ({error.strerror})", file=sys.stderr)
+        _tell(f"photizon: the output cannot be written ({error.strerror})")
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
+        _tell("interrupted")
         return 1
+
+
+def _tell(text: str) -> None:
+    """Print to standard error, where that still leads anywhere."""
+    with suppress(OSError):
+        print(text, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
@@ -45,7 +46,8 @@ class Display:
         trace: TracebackType | None,
     ) -> None:
         if self.live is not None:
-            self.live.stop()
+            with suppress(OSError):  # a terminal that is gone
+                self.live.stop()
 
     def update(self, now: Progress) -> None:
         """Show how far the run is."""

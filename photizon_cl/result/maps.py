@@ -149,7 +149,7 @@ class IrradianceMap:
 
     @property
     def known_fraction(self) -> float:
-        """Part of the bins that any ray reaches that have at least 10 arrivals; 1 where none does."""
+        """Part of the bins that rays reach that have 10 arrivals; 1 where none is reached."""
         reached = int(((self.count > 0) & ~self.masked).sum())
         return float(self.lit.sum() / reached) if reached else 1.0
 

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import operator
-import signal
-import threading
 import warnings
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER, CompiledScene
@@ -26,13 +23,14 @@ from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
 from photizon_cl.run.checkpoint import Keeper
 from photizon_cl.run.distribution import Local, Runner
+from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.progress import Clock, Progress
 from photizon_cl.run.workers import Executed
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from concurrent.futures import Executor
 
     from hostcode.device.device import DeviceRecord
@@ -191,7 +189,7 @@ def _add_batches(
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
-    with _interruptible() as interrupted:
+    with interruptible() as interrupted:
         runner.watch(clock, interrupted)
         try:
             for chunk in chunks:
@@ -233,31 +231,6 @@ def _add_batches(
     return result
 
 
-@contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Give a function that says whether Ctrl-C was pressed; the second one interrupts at once."""
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
-        return
-    pressed = False
-    before = signal.getsignal(signal.SIGINT)
-
-    def note(number: int, frame: object) -> None:
-        nonlocal pressed
-        if pressed:
-            raise KeyboardInterrupt
-        pressed = True
-
-    if before is None or before is signal.SIG_IGN:  # not Python's to replace, or asked to ignore
-        yield lambda: False
-        return
-    signal.signal(signal.SIGINT, note)
-    try:
-        yield lambda: pressed
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 def _no_batch(compiled: CompiledScene, clock: Clock) -> str:
     run = compiled.settings
     advice = "lower rays_per_batch or raise max_seconds"
@@ -265,8 +238,8 @@ def _no_batch(compiled: CompiledScene, clock: Clock) -> str:
     if splitter is not None:
         advice = (
             f'every hit on a surface that splits, as that of "{splitter}" does, makes two rays of '
-            "one, and where they come back to such a surface nothing may end them before the "
-            f"generation cap of {run.generation_cap}: set roulette_floor (1e-6, say) or lower "
+            "one, and where they come back to such a surface little may end them before the "
+            f"generation cap of {run.generation_cap}: raise roulette_floor (1e-6, say) or lower "
             f"generation_cap; else {advice}"
         )
     return (

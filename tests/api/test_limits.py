@@ -40,7 +40,7 @@ def test_rays_that_wait_have_a_budget(monkeypatch):
     with pytest.raises(pz.RunError) as caught:
         pz.trace(scene, max_seconds=20.0)
     (line,) = str(caught.value).splitlines()
-    assert "rays that split off are waiting and more come" in line
+    assert "more rays split off than may wait" in line
     assert "set roulette_floor (1e-6, say)" in line
 
 

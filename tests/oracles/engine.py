@@ -186,7 +186,11 @@ class DetectorTally:
 
 
 def scene_of(sources: Any, elements: Any, **parts: Any) -> Scene:
-    """Return a scene from tables such as a file holds; names are given where they are left out."""
+    """Return a scene from tables such as a file holds; names are given where they are left out.
+
+    Without roulette, unless it is asked for: exact answers are those of every child.
+    """
+    parts["run"] = {"roulette_floor": 0.0, **parts.get("run", {})}
     named = lambda rows, stem: [{"name": f"{stem} {n}", **row} for n, row in enumerate(rows)]  # noqa: E731
     return load(
         {
