@@ -4,8 +4,8 @@ Asked are the operations that IEEE 754 and OpenCL fix exactly (arithmetic, fused
 it is written and only there, conversions, integers), Philox's published vectors, the sine and
 cosine of the kernels, and sums by integer atomics over many work-items; each with the production
 library sources, as scalars and at the lane width that the device will run, in work-groups of one
-and of many. A pass is kept, by `hostcode.device.known_passes`, with the digests of the very binaries
-that passed: where they are gone, or are others, the test runs again.
+and of many. A pass is kept, by `known_passes`, with the digests of the very binaries that passed:
+where they are gone, or are others, the test runs again.
 """
 
 from __future__ import annotations
