@@ -85,6 +85,15 @@ def test_what_is_kept_is_what_runs_again(pocl_only, program):
     assert not list(kernel_cache.place().kept.glob(f"{key}.*{kernel_cache.TRYING}"))
 
 
+def test_a_process_that_runs_is_not_forgotten(pocl_only, program):
+    key, run = program
+    assert run()
+    running = kernel_cache.place().running
+    os.utime(running, (1.0, 1.0))
+    kept_kernels.keep(key)
+    assert running.stat().st_mtime > 1.0
+
+
 def test_a_damaged_one_is_said_removed_and_compiled_anew(pocl_only, program):
     key, run = program
     assert run()
