@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import importlib.metadata
 import re
+import threading
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Final
@@ -157,6 +158,15 @@ def survey() -> Survey:
         Records and problems. A platform that fails is a problem, never an exception; so is an
         OpenCL loader that cannot be loaded. Looked up once per process.
     """
+    with _first:  # threads that call it at once: PoCL stays with the cache it was first given
+        return _survey()
+
+
+_first: Final = threading.Lock()
+
+
+@cache
+def _survey() -> Survey:
     try:
         provide_cache()
         import pyopencl as cl

@@ -12,6 +12,7 @@ import atexit
 import hashlib
 import json
 import os
+import secrets
 import shutil
 import tempfile
 import threading
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
     from hostcode.device.opened import OpenDevice
 
-__all__ = ["build", "digest_of", "keep", "program_key"]
+__all__ = ["are_kept", "build", "digest_of", "keep", "program_key"]
 
 _HEAD: Final = b"photizon kernels 1\n"
 _BINARY: Final = "binary"
@@ -56,6 +57,13 @@ def program_key(device: OpenDevice, source: str, options: Sequence[str]) -> str:
     """Return a digest of everything that a program's binary follows from."""
     text = "\0".join((device.record.key, source, *options))
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def are_kept(device: OpenDevice) -> bool:
+    """Return whether a device's programs are kept here, and not by its driver."""
+    from pyopencl.characterize import has_src_build_cache
+
+    return device.record.is_pocl or not has_src_build_cache(device.device)
 
 
 def build(device: OpenDevice, key: str, source: str, options: Sequence[str]) -> cl.Program:
@@ -127,13 +135,13 @@ def keep(key: str) -> None:
         where = kernel_cache.place()
         if where is None or not known.folders:
             return
-        seen = _listing(known.folders, where.running)
-        if seen == known.seen:
-            return
-        known.seen = seen
         with suppress(OSError):  # a compiler at work in another thread: the next call keeps it
-            content = {name: (where.running / name).read_bytes() for name, *_ in seen}
-            known.digest = _write(where, key, content, known.digest)
+            os.utime(where.running)  # its age tells where its lock does not
+            seen = _listing(known.folders, where.running)
+            if seen != known.seen:
+                content = {name: (where.running / name).read_bytes() for name, *_ in seen}
+                known.digest = _write(where, key, content, known.digest)
+                known.seen = seen
 
 
 def digest_of(key: str) -> str:
@@ -217,7 +225,12 @@ def _folders() -> set[str]:
     where = kernel_cache.place()
     if where is None:
         return set()
-    return {str(path.relative_to(where.running)) for path in where.running.glob("*/*/")}
+    found = set()
+    with suppress(OSError):
+        for above in list(where.running.iterdir()):
+            with suppress(OSError):  # no directory, or one that PoCL just renamed
+                found |= {f"{above.name}/{path.name}" for path in above.iterdir() if path.is_dir()}
+    return found
 
 
 def _listing(folders: set[str], running: Path) -> list[tuple[str, int, int]]:
@@ -238,16 +251,27 @@ def _fetch(key: str) -> _Known | None:
     if where is None or found is None:
         return None
     digest, content = found
-    folders = set()
-    for name, data in content.items():
-        path = where.running / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # PoCL's directories are by the text without comments, so that another program may have
-        # loaded the file that is there: it must not change under it
-        if not path.exists():
-            path.write_bytes(data)
-            path.chmod(0o700)
-        folders.add(str(Path(*PurePosixPath(name).parts[:2])))
+    folders = {str(Path(*PurePosixPath(name).parts[:2])) for name in content}
+    there, written = _folders(), []
+    try:
+        for name, data in content.items():
+            path = where.running / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # PoCL's directories are by the text without comments, so that another program may have
+            # loaded the file that is there: it must not change under it
+            if not path.exists():
+                written.append(path)
+                path.write_bytes(data)
+                path.chmod(0o700)
+    except BaseException as error:  # a full disk, an interrupt: PoCL must not find half of a file
+        for path in written:
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+        for folder in folders - there:
+            shutil.rmtree(where.running / folder, ignore_errors=True)
+        if isinstance(error, OSError):
+            return None
+        raise
     return _Known(folders, digest, mark=_mark(key))
 
 
@@ -256,17 +280,18 @@ def _usable(key: str) -> tuple[str, dict[str, bytes]] | None:
     file = _file(key)
     if file is None:
         return None
-    for mark in list(file.parent.glob(f"{key}.*{kernel_cache.TRYING}")):
+    marks = f"{key}.{kernel_cache.host_prefix()}*{kernel_cache.TRYING}"
+    for mark in list(file.parent.glob(marks)):
         with suppress(OSError):
             handle = os.open(mark, os.O_RDWR)
             try:
-                died = kernel_cache.hold(handle)
+                # one that went before its lock did was taken away by a process that lives
+                if kernel_cache.hold(handle) and mark.exists():
+                    if file.exists():
+                        _drop(file, "were being loaded when a process was killed or crashed")
+                    mark.unlink(missing_ok=True)
             finally:
                 os.close(handle)
-            if died:
-                mark.unlink(missing_ok=True)
-                if file.exists():
-                    _drop(file, "were being loaded when a process was killed or crashed")
     return _read(key)
 
 
@@ -275,26 +300,20 @@ def _mark(key: str) -> tuple[Path, int] | None:
     where = kernel_cache.place()
     if where is None:
         return None
+    own = f"{kernel_cache.host_prefix()}{secrets.token_hex(8)}"
+    path = where.kept / f"{key}.{own}{kernel_cache.TRYING}"
     try:
-        handle, name = tempfile.mkstemp(
-            prefix=f"{key}.", suffix=kernel_cache.TRYING, dir=where.kept
-        )
-    except OSError:
-        return None
-    try:
-        kernel_cache.hold(handle)
+        return path, kernel_cache.make_held(path, where.running)
     except OSError:  # without locks nobody could tell whose mark it is
-        os.close(handle)
-        Path(name).unlink(missing_ok=True)
         return None
-    return Path(name), handle
 
 
 def _unmark(known: _Known) -> None:
     if known.mark is not None:
         path, handle = known.mark
         known.mark = None
-        path.unlink(missing_ok=True)
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
         os.close(handle)
 
 
@@ -312,8 +331,7 @@ def _refuse(key: str, found: _Known) -> None:
 def _end() -> None:
     """Take the marks away at the end of a process that did not crash."""
     for known in _known.values():
-        with suppress(OSError):
-            _unmark(known)
+        _unmark(known)
 
 
 atexit.register(_end)
@@ -325,10 +343,9 @@ atexit.register(_end)
 def _build_binary(device: OpenDevice, key: str, source: str, options: Sequence[str]) -> cl.Program:
     """Build a program for a driver that is no PoCL; keep its binary where the driver keeps none."""
     import pyopencl as cl
-    from pyopencl.characterize import has_src_build_cache
 
-    own: Any = has_src_build_cache(device.device)
-    found = None if own else _usable(key)
+    kept = are_kept(device)
+    found = _usable(key) if kept else None
     if found is not None and _BINARY in found[1]:
         mark = _Known(set(), found[0], mark=_mark(key))
         try:
@@ -336,12 +353,15 @@ def _build_binary(device: OpenDevice, key: str, source: str, options: Sequence[s
             program = _built(cl.Program(device.context, [device.device], [binary]), options)
         except cl.Error:
             _refuse(key, mark)
+        except BaseException:
+            _unmark(mark)
+            raise
         else:
             _known[key] = mark
             return program
     program = _built(cl.Program(device.context, source), options)
     where = kernel_cache.place()
-    if not own and where is not None:
+    if kept and where is not None:
         with suppress(OSError, cl.Error):
             given: Any = program.get_info(cl.program_info.BINARIES)
             _write(where, key, {_BINARY: bytes(given[0])}, "")

@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import atexit
 import os
+import re
 import shutil
+import socket
 import sys
 import tempfile
 import time
@@ -33,8 +35,10 @@ __all__ = [
     "Place",
     "cache_home",
     "hold",
+    "host_prefix",
     "kept",
     "kept_files",
+    "make_held",
     "place",
     "provide_cache",
     "remove_kept",
@@ -51,7 +55,7 @@ _HELD: Final = "held"
 _YOUNG: Final = 60.0
 """Seconds in which a directory that nobody holds may be one that is about to be held."""
 _FORGOTTEN: Final = 7 * 86400.0
-"""Seconds after which a directory is nobody's, on file systems without locks."""
+"""Seconds after which a directory is nobody's, where no lock tells (another host's, or none)."""
 KEPT: Final = ".kernels"
 """How the names of files with kept kernels end."""
 TRYING: Final = ".trying"
@@ -97,7 +101,7 @@ def provide_cache() -> None:
     global _place
     _without_pyopencls()
     kept, named_by = root(), _POCL if _given() else _HOME
-    why = _refusal(kept)
+    why = _refusal(kept) or _refusal(kept / RUNNING)
     if why:
         try:
             kept = Path(tempfile.mkdtemp(prefix="photizon-cache-"))
@@ -113,11 +117,11 @@ def provide_cache() -> None:
     running = kept / RUNNING
     running.mkdir(parents=True, exist_ok=True)
     _sweep(running)
-    mine = Path(tempfile.mkdtemp(dir=running))
-    handle = os.open(mine / _HELD, os.O_RDWR | os.O_CREAT)
-    with suppress(OSError):  # without locks its age tells whether it is in use
-        hold(handle)
-    _held.append(handle)  # as long as the process lives
+    mine = Path(tempfile.mkdtemp(prefix=host_prefix(), dir=running))
+    try:
+        _held.append(make_held(mine / _HELD, mine))  # as long as the process lives
+    except OSError:  # without locks its age tells whether it is in use
+        (mine / _HELD).touch()
     atexit.register(_remove, mine, os.getpid())
     os.environ[_POCL] = str(mine)
     _place = Place(kept, mine)
@@ -163,7 +167,9 @@ def remove_kept() -> tuple[int, int]:
             file.unlink()
             sizes.append(size)
     with suppress(OSError):
-        _sweep(root() / RUNNING)
+        for mark in list(root().glob(f"*{TRYING}")):  # each is about what is no longer there
+            mark.unlink(missing_ok=True)
+    _sweep(root() / RUNNING)
     return len(sizes), sum(sizes)
 
 
@@ -184,6 +190,43 @@ def hold(handle: int) -> bool:
     except ImportError as error:
         raise OSError(str(error)) from error
     return True
+
+
+def make_held(path: Path, folder: Path) -> int:
+    """Make an empty file that this process holds a lock of, until the handle given back is closed.
+
+    It is locked before it has its name, so that nobody finds it there without its lock.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    folder : Path
+        Where it is made: a directory of this process alone, in the same file system.
+
+    Raises
+    ------
+    OSError
+        Where it cannot be made, or there are no locks.
+    """
+    handle, name = tempfile.mkstemp(dir=folder)
+    try:
+        if not hold(handle):
+            raise BlockingIOError(f"another process holds {name}")
+        os.replace(name, path)
+    except OSError:
+        os.close(handle)
+        Path(name).unlink(missing_ok=True)
+        raise
+    return handle
+
+
+def host_prefix() -> str:
+    """Return how the names of what this host's processes hold begin.
+
+    Hosts may share a home whose locks are each host's own: one does not judge another's.
+    """
+    return re.sub(r"[^A-Za-z0-9.-]", "-", socket.gethostname())[:64] + "_"
 
 
 def _given() -> Path | None:
@@ -219,10 +262,15 @@ def _refusal(folder: Path) -> str:
 
 
 def _sweep(running: Path) -> None:
-    """Remove the directories of processes that died."""
-    for folder in list(running.iterdir()):
+    """Remove the directories of processes that died; another host's only when long forgotten."""
+    folders: list[Path] = []
+    with suppress(OSError):
+        folders += running.iterdir()
+    for folder in folders:
         with suppress(OSError):
             age = time.time() - folder.stat().st_mtime
+            if not folder.name.startswith(host_prefix()) and age <= _FORGOTTEN:
+                continue
             try:
                 handle = os.open(folder / _HELD, os.O_RDWR)
             except FileNotFoundError:

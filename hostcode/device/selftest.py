@@ -4,20 +4,15 @@ Asked are the operations that IEEE 754 and OpenCL fix exactly (arithmetic, fused
 it is written and only there, conversions, integers), Philox's published vectors, the sine and
 cosine of the kernels, and sums by integer atomics over many work-items; each with the production
 library sources, as scalars and at the lane width that the device will run, in work-groups of one
-and of many. A pass is kept per device, driver and version of the test in
-``$XDG_CACHE_HOME/photizon_cl/selftest.json`` (default ``~/.cache``), with the digests of the very
-binaries that passed: where they are gone, or are others, the test runs again.
+and of many. A pass is kept, by `known_passes`, with the digests of the very binaries that passed:
+where they are gone, or are others, the test runs again.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
-import os
-import tempfile
 import time
 import warnings
-from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, partial
@@ -26,8 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.device import kept_kernels, known_answers
-from hostcode.device.kernel_cache import cache_home
+from hostcode.device import kept_kernels, known_answers, known_passes
 from hostcode.device.opened import preferred_lanes
 from hostcode.errors import KernelBuildError
 from hostcode.templates import lane, render
@@ -43,10 +37,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BUILD_OPTIONS",
     "SelfTestReport",
-    "cache_file",
-    "forget",
     "passed_before_or_run",
-    "remembered",
     "run",
     "source",
 ]
@@ -116,19 +107,27 @@ def passed_before_or_run(opened: OpenDevice) -> SelfTestReport:
         digest = _digest(lanes)
     except KernelBuildError as error:
         return SelfTestReport((str(error),))
-    if (key, digest) in _passed or _remembered().get(key) == _verdict(opened, lanes, digest):
+    before = known_passes.of(key)
+    if (key, digest) in _passed or (before and before == _verdict(opened, lanes, digest)):
         _passed.add((key, digest))
         return SelfTestReport((), known=True)
     report = run(opened, lanes)
     if report.passed:
         _passed.add((key, digest))
-        _remember(key, _verdict(opened, lanes, digest))
+        verdict = _verdict(opened, lanes, digest)
+        if verdict:
+            known_passes.remember(key, verdict)
     return report
 
 
 def _verdict(opened: OpenDevice, lanes: tuple[int, ...], digest: str) -> str:
-    """Return what a pass is about: the test, and the very binaries that passed and are kept."""
-    kept = (kept_kernels.digest_of(_program(opened, width)) for width in lanes)
+    """Return what a pass is about: the test, and the very binaries that passed and are kept.
+
+    Empty where they could not be kept: what runs in the next process is not what passed.
+    """
+    kept = [kept_kernels.digest_of(_program(opened, width)) for width in lanes]
+    if kept_kernels.are_kept(opened) and not all(kept):
+        return ""
     return " ".join((digest, *(found or "-" for found in kept)))
 
 
@@ -183,24 +182,6 @@ def source(lanes: int) -> str:
     )
 
 
-def cache_file() -> Path:
-    """Return the file that remembers passes; neither it nor its directory need exist."""
-    return cache_home() / "photizon_cl" / "selftest.json"
-
-
-def remembered() -> int:
-    """Return how many devices are remembered to have passed."""
-    return len(_remembered())
-
-
-def forget() -> int:
-    """Have every device tested again; return how many were remembered."""
-    count = len(_remembered())
-    with suppress(OSError):
-        cache_file().unlink(missing_ok=True)
-    return count
-
-
 _passed: set[tuple[str, str]] = set()  # what passed in this process, for where no file can be kept
 
 
@@ -214,32 +195,6 @@ def _digest(lanes: tuple[int, ...]) -> str:
     # The questions and their answers are part of what a pass means.
     questions = Path(known_answers.__file__).read_bytes() + Path(__file__).read_bytes()
     return hashlib.sha256(text.encode() + questions).hexdigest()
-
-
-def _remembered() -> dict[str, str]:
-    try:
-        content = json.loads(cache_file().read_text(encoding="utf-8"))
-        passes = content["passed"]
-        return {str(key): str(value) for key, value in passes.items()}
-    except (OSError, ValueError, TypeError, KeyError, AttributeError, RuntimeError):
-        return {}  # absent, unreadable, damaged, or no home directory: the test simply runs
-
-
-def _remember(key: str, digest: str) -> None:
-    # A cache directory that cannot be written costs a second at the next start, nothing else.
-    with suppress(OSError, RuntimeError):
-        path = cache_file()
-        path.parent.mkdir(parents=True, exist_ok=True)
-        content = {"schema": 1, "passed": {**_remembered(), key: digest}}
-        # Written beside and renamed, so that another process never reads half a file.
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                json.dump(content, file, indent=1, sort_keys=True)
-            os.replace(name, path)
-        except OSError:
-            os.unlink(name)
-            raise
 
 
 def _run_width(opened: OpenDevice, lanes: int) -> list[str]:

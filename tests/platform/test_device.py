@@ -233,12 +233,26 @@ def test_a_platform_that_fails_is_reported_and_not_fatal(monkeypatch):
 
     usual, real = dev.enumerate_devices(), cl.get_platforms()
     monkeypatch.setattr(cl, "get_platforms", lambda: [_BrokenPlatform(), *real])
-    found = capability.survey.__wrapped__()
+    found = capability._survey.__wrapped__()
     assert len(found.problems) == 1
     assert "OUT_OF_HOST_MEMORY" in found.problems[0]
     assert [record.platform_index for record in found.records] == [
         record.platform_index + 1 for record in usual
     ]
+
+
+def test_threads_that_ask_at_once_have_one_cache(run_python):
+    run_python("""
+import time
+from concurrent.futures import ThreadPoolExecutor
+from hostcode.device import capability
+calls = []
+capability.provide_cache = lambda: (calls.append(1), time.sleep(0.2))
+with ThreadPoolExecutor(4) as pool:
+    found = list(pool.map(lambda _: capability.survey(), range(4)))
+assert calls == [1], calls
+assert all(one is found[0] for one in found)
+""")
 
 
 def test_no_platform_at_all_is_an_empty_survey(run_python, tmp_path):

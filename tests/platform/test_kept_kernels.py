@@ -13,6 +13,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +83,15 @@ def test_what_is_kept_is_what_runs_again(pocl_only, program):
     again = kept_kernels._read(key)
     assert again == (digest, content)  # nothing was compiled anew
     assert not list(kernel_cache.place().kept.glob(f"{key}.*{kernel_cache.TRYING}"))
+
+
+def test_a_process_that_runs_is_not_forgotten(pocl_only, program):
+    key, run = program
+    assert run()
+    running = kernel_cache.place().running
+    os.utime(running, (1.0, 1.0))
+    kept_kernels.keep(key)
+    assert running.stat().st_mtime > 1.0
 
 
 def test_a_damaged_one_is_said_removed_and_compiled_anew(pocl_only, program):
@@ -172,6 +182,118 @@ def test_each_flipped_bit_and_each_cut_is_noticed(tmp_path, monkeypatch):
         with pytest.warns(CacheWarning, match="are damaged"):
             assert kept_kernels._read("key") is None
         assert not file.exists()
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """Have kernels in a place of this test alone."""
+    where = kernel_cache.Place(tmp_path, tmp_path / "running")
+    where.running.mkdir()
+    monkeypatch.setattr(kernel_cache, "_place", where)
+    return where
+
+
+@pytest.mark.parametrize("step", ["_listing", "_write"])
+def test_a_compiler_in_another_thread_does_not_end_a_run(pocl_only, program, monkeypatch, step):
+    key, run = program
+    done, failed = getattr(kept_kernels, step), []
+
+    def gone(*given):
+        if not failed:
+            failed.append(1)
+            raise FileNotFoundError(2, "No such file or directory", "wave.so")
+        return done(*given)
+
+    monkeypatch.setattr(kept_kernels, step, gone)
+    assert run()
+    assert failed
+    assert not kept_kernels.digest_of(key)
+    kept_kernels.keep(key)
+    assert kept_kernels.digest_of(key)  # the next call kept it
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_nothing_is_left_of_what_could_not_be_written(
+    pocl_only, program, monkeypatch, error, recwarn
+):
+    key, run = program
+    assert run()
+    content = kept_kernels._read(key)[1]
+    forget(key)
+    write, written = Path.write_bytes, []
+
+    def fail(path, data):
+        written.append(path)
+        if len(written) == 2:
+            write(path, data[: len(data) // 2])
+            raise error
+        return write(path, data)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", fail)
+        if isinstance(error, OSError):
+            assert kept_kernels._fetch(key) is None
+        else:
+            with pytest.raises(KeyboardInterrupt):
+                kept_kernels._fetch(key)
+    assert len(written) == 2
+    running = kernel_cache.place().running
+    folders = {"/".join(name.split("/")[:2]) for name in content}
+    assert not any((running / folder).exists() for folder in folders)
+    assert run()
+    assert not [w for w in recwarn if issubclass(w.category, CacheWarning)]
+    assert kept_kernels.digest_of(key)
+
+
+def test_nobody_sees_a_mark_without_its_lock(place, monkeypatch):
+    hold, visible = kernel_cache.hold, []
+
+    def look(handle):
+        visible.extend(place.kept.glob(f"*{kernel_cache.TRYING}"))
+        return hold(handle)
+
+    monkeypatch.setattr(kernel_cache, "hold", look)
+    mark, handle = kept_kernels._mark("key")
+    assert visible == []
+    assert mark.exists()
+    os.close(handle)
+    mark.unlink()
+    monkeypatch.setattr(kernel_cache, "hold", lambda _: False)
+    assert kept_kernels._mark("key") is None  # nor one that another has
+    assert [*place.kept.iterdir(), *place.running.iterdir()] == [place.running]
+
+
+def test_a_mark_that_is_taken_away_meanwhile_accuses_nobody(place, monkeypatch):
+    kept_kernels._write(place, "key", {"AB/CD/program.bc": b"code"}, "")
+    mark, handle = kept_kernels._mark("key")
+    os.close(handle)
+    hold = kernel_cache.hold
+
+    def after_its_end(lock):
+        mark.unlink()
+        return hold(lock)
+
+    monkeypatch.setattr(kernel_cache, "hold", after_its_end)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert kept_kernels._usable("key")
+    assert not mark.exists()
+
+
+def test_a_mark_of_another_host_is_not_judged(place, monkeypatch):
+    kept_kernels._write(place, "key", {"AB/CD/program.bc": b"code"}, "")
+    with monkeypatch.context() as patch:
+        patch.setattr(kernel_cache.socket, "gethostname", lambda: "another")
+        mark, handle = kept_kernels._mark("key")
+    os.close(handle)  # locks are each host's own: here it looks free
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert kept_kernels._usable("key")
+    assert mark.exists()
+    monkeypatch.setattr(kernel_cache.socket, "gethostname", lambda: "another")
+    with pytest.warns(CacheWarning, match="when a process was killed or crashed"):
+        assert kept_kernels._usable("key") is None
+    assert not mark.exists()
 
 
 # -- a whole process -------------------------------------------------------------------------------

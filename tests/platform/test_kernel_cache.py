@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 
 import pytest
 
@@ -104,7 +105,8 @@ def test_the_users_own_directory_keeps_the_kernels(usual, own_place, monkeypatch
 def test_what_dead_processes_worked_in_goes(usual, own_place):
     provide_cache()
     _, mine = own_place()
-    dead, young = mine.parent / "dead", mine.parent / "young"
+    host = kernel_cache.host_prefix()
+    dead, young = mine.parent / f"{host}dead", mine.parent / f"{host}young"
     dead.mkdir()
     young.mkdir()
     (dead / "held").write_text("")
@@ -116,6 +118,63 @@ def test_what_dead_processes_worked_in_goes(usual, own_place):
     os.utime(young, (1.0, 1.0))
     provide_cache()
     assert not young.exists()
+
+
+def test_another_hosts_directory_goes_only_when_long_forgotten(usual, own_place, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(kernel_cache.socket, "gethostname", lambda: "node_2/b")
+        provide_cache()
+        theirs = own_place()[1]
+        os.close(kernel_cache._held.pop())  # locks are each host's own: here it looks free
+    assert theirs.name.startswith("node-2-b_")
+    provide_cache()
+    assert own_place()[1].name.startswith(kernel_cache.host_prefix())
+    os.utime(theirs, (time.time() - 6 * 86400,) * 2)
+    provide_cache()
+    assert theirs.exists()
+    os.utime(theirs, (time.time() - 8 * 86400,) * 2)
+    provide_cache()
+    assert not theirs.exists()
+
+
+def test_nobody_sees_a_directorys_lock_before_it_is_held(usual, own_place, monkeypatch):
+    hold, visible = kernel_cache.hold, []
+
+    def look(handle):
+        visible.extend(usual.rglob("held"))
+        return hold(handle)
+
+    monkeypatch.setattr(kernel_cache, "hold", look)
+    provide_cache()
+    assert visible == []
+    assert [path.name for path in own_place()[1].iterdir()] == ["held"]
+
+
+def test_without_locks_its_age_tells(usual, own_place, monkeypatch):
+    def fail(_):
+        raise OSError(37, "No locks available")
+
+    monkeypatch.setattr(kernel_cache, "hold", fail)
+    provide_cache()
+    first = own_place()[1]
+    assert [path.name for path in first.iterdir()] == ["held"]
+    os.utime(first, (time.time() - 6 * 86400,) * 2)
+    provide_cache()
+    assert first.exists()
+    os.utime(first, (time.time() - 8 * 86400,) * 2)
+    provide_cache()
+    assert not first.exists()
+
+
+def test_where_processes_work_must_be_writable_as_well(usual, own_place):
+    kept = usual / ".cache" / "photizon_cl" / "kernels"
+    kept.mkdir(parents=True)
+    (kept / "photizon-running").write_text("")  # as one of root's, but for root as well
+    with pytest.warns(CacheWarning, match=r"/photizon-running cannot.*set XDG_CACHE_HOME to"):
+        provide_cache()
+    temporary, running = own_place()
+    assert temporary != kept
+    assert running.parent.parent == temporary
 
 
 def test_pyopencl_keeps_nothing(device):
@@ -134,6 +193,7 @@ def test_the_verb_shows_and_clears(usual, own_place, monkeypatch, capsys):
     )
     kept.mkdir(parents=True)
     (kept / "ab.kernels").write_bytes(bytes(1_500_000))
+    (kept / "ab.host_1.trying").write_text("")
     (kept / "notes.txt").write_text("mine")
     (kept.parent / "selftest.json").write_text('{"passed": {"device": "digest"}}')
     assert main(["cache"]) == 0

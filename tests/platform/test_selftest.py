@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from hostcode.device import kept_kernels, selftest
+from hostcode.device import kept_kernels, known_passes, selftest
 from hostcode.device.device import open_device
 from hostcode.errors import CacheWarning
 
@@ -15,7 +15,7 @@ from hostcode.errors import CacheWarning
 def fresh(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr(selftest, "_passed", set())
-    return selftest.cache_file()
+    return known_passes.cache_file()
 
 
 @pytest.mark.parametrize("lanes", [1, 2, 4, 8, 16])
@@ -124,6 +124,22 @@ def test_a_pass_is_about_the_very_binaries_that_passed(fresh, monkeypatch, devic
     file.write_bytes(data)
 
 
+def test_a_pass_of_binaries_that_could_not_be_kept_is_not_remembered(fresh, monkeypatch, device):
+    monkeypatch.setattr(kept_kernels, "digest_of", lambda _: "")
+    monkeypatch.setattr(kept_kernels, "are_kept", lambda _: True)
+    monkeypatch.setattr(selftest, "run", lambda *_: selftest.SelfTestReport(()))
+    lanes = selftest._lane_widths(device)
+    verdict = " ".join([selftest._digest(lanes), *"-" * len(lanes)])
+    assert not selftest.passed_before_or_run(device).known
+    assert not fresh.exists()
+    known_passes.remember(device.record.key, verdict)
+    monkeypatch.setattr(selftest, "_passed", set())  # as in another process
+    assert not selftest.passed_before_or_run(device).known
+    monkeypatch.setattr(selftest, "_passed", set())
+    monkeypatch.setattr(kept_kernels, "are_kept", lambda _: False)  # a driver keeps its own
+    assert selftest.passed_before_or_run(device).known
+
+
 def test_a_failure_is_not_remembered(fresh, monkeypatch, device):
     failed = selftest.SelfTestReport(("wrong",))
     monkeypatch.setattr(selftest, "run", lambda *_: failed)
@@ -154,4 +170,4 @@ def test_cache_file_follows_the_xdg_rules(monkeypatch, tmp_path):
     monkeypatch.setenv("HOME", str(tmp_path))
     for value in ("", "relative/path"):
         monkeypatch.setenv("XDG_CACHE_HOME", value)
-        assert selftest.cache_file() == tmp_path / ".cache" / "photizon_cl" / "selftest.json"
+        assert known_passes.cache_file() == tmp_path / ".cache" / "photizon_cl" / "selftest.json"

@@ -1,0 +1,81 @@
+"""Which devices are known to have passed their self-test, from one process to the next.
+
+They are in ``$XDG_CACHE_HOME/photizon_cl/selftest.json`` (default ``~/.cache``), by device and
+driver. A file that is absent, damaged or cannot be written costs a test, nothing else.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+from hostcode.device.kernel_cache import cache_home
+
+__all__ = ["cache_file", "count", "forget", "of", "remember"]
+
+
+def cache_file() -> Path:
+    """Return the file that remembers passes; neither it nor its directory need exist."""
+    return cache_home() / "photizon_cl" / "selftest.json"
+
+
+def count() -> int:
+    """Return how many devices are remembered to have passed."""
+    return len(_read())
+
+
+def forget() -> int:
+    """Have every device tested again; return how many were remembered."""
+    known = count()
+    with suppress(OSError):
+        cache_file().unlink(missing_ok=True)
+    return known
+
+
+def of(key: str) -> str:
+    """Return what is remembered of a device's pass, empty where nothing is.
+
+    Parameters
+    ----------
+    key : str
+        Of the device's record.
+    """
+    return _read().get(key, "")
+
+
+def remember(key: str, verdict: str) -> None:
+    """Remember a pass.
+
+    Parameters
+    ----------
+    key : str
+        Of the device's record.
+    verdict : str
+        What the pass is about.
+    """
+    # A cache directory that cannot be written costs a second at the next start, nothing else.
+    with suppress(OSError, RuntimeError):
+        path = cache_file()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        content = {"schema": 1, "passed": {**_read(), key: verdict}}
+        # Written beside and renamed, so that another process never reads half a file.
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                json.dump(content, file, indent=1, sort_keys=True)
+            os.replace(name, path)
+        except OSError:
+            Path(name).unlink(missing_ok=True)
+            raise
+
+
+def _read() -> dict[str, str]:
+    try:
+        content = json.loads(cache_file().read_text(encoding="utf-8"))
+        passes = content["passed"]
+        return {str(key): str(value) for key, value in passes.items()}
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, RuntimeError):
+        return {}  # absent, unreadable, damaged, or no home directory: the test simply runs
