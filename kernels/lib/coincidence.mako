@@ -13,10 +13,10 @@
 
 #define IN_OTHERS(code) INE((code) & (1L << ${code["coincident"].shift}), lsplat(0L))
 // Rounding of a point on a ray, relative to its coordinates, eight times over.
-#define COINCIDENT R(0x1p-45)
+#define COINCIDENT R(0x1p8 * UNIT_ROUNDOFF)
 // No face that is there is farther off than the nearest by more than this part of the way: then a ray
 // runs along it at less than 2^-35 rad.
-#define FARTHEST R(0x1p-10)
+#define FARTHEST R(0x1p43 * UNIT_ROUNDOFF)
 #define NO_RANK LONG_MAX
 
 FN void locate(const scene_t *scene, const packet_t *p, const hit_t *h, contact_t *c);
@@ -45,7 +45,6 @@ FN bool begin_settling(const scene_t *scene, search_t *search, const packet_t *p
     search->nx = c.nx; search->ny = c.ny; search->nz = c.nz;
     search->room = fma(origin + h->t, COINCIDENT, gather(scene->geometry + COINCIDENCE_ROOM, row));
     search->nearest = h->t;
-    search->t = h->t;
     search->code = h->code;
     search->plane = h->plane;
     search->edge = h->edge;
@@ -60,14 +59,14 @@ FN void settle(search_t *search, const packet_t *p, mask m, real farthest, real 
     const real d_n = dot3(p->dx, p->dy, p->dz, c->nx, c->ny, c->nz);
     // faces in one place have one tangent plane there; a wall and the floor on which it stands do not
     const real along = fabs(dot3(search->nx, search->ny, search->nz, c->nx, c->ny, c->nz));
+    // at its edge a face takes no precedence: put back onto it, a ray could be behind a wall that ends there
     // where a face is met where the ray starts, the one that it left is at the far end of a chord, however short
     const mask far_end = EQ(search->nearest, splat(0.0)) & IEQ(code, p->left >> 2);
     const mask there = EQ(t, search->nearest)
-        | (LE(fabs((t - search->nearest) * d_n), ${point("coincidence.room", "(search->room + room)")}) & LE(t, farthest) & ~far_end
-           & ${point("coincidence.parallel", "GE(along, R(1.0 - 0x1p-30))")});
+        | (LE(fabs((t - search->nearest) * d_n), ${point("coincidence.room", "(search->room + room)")}) & LE(t, farthest) & ~far_end & ~edge
+           & ${point("coincidence.parallel", "GE(along, R(1.0 - 0x1p23 * UNIT_ROUNDOFF))")});
     const lint rank = rank_of(code, ~came_from_plus(p, c));
     const mask first = m & there & (ILT(rank, search->rank) | (IEQ(rank, search->rank) & ILT(code, search->code)));
-    search->t = SEL(first, t, search->t);
     search->code = SELI(first, code, search->code);
     search->plane = SEL(first, plane, search->plane);
     search->edge = SELM(first, edge, search->edge);
@@ -75,7 +74,9 @@ FN void settle(search_t *search, const packet_t *p, mask m, real farthest, real 
 }
 
 FN void end_settling(const search_t *search, hit_t *h) {
-    h->t = SEL(search->shared, search->t, h->t);
+    // where the nearest one is: beyond it, though no farther than rounding along the normal, there may be a
+    // wall that stands on it.  The point is put onto the face that comes first.
+    h->t = SEL(search->shared, search->nearest, h->t);
     h->code = SELI(search->shared, search->code, h->code);
     h->plane = SEL(search->shared, search->plane, h->plane);
     h->edge = SELM(search->shared, search->edge, h->edge);

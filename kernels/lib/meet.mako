@@ -24,7 +24,7 @@ FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, lon
         hit_t there = *h;
         there.t = t;
         there.code = hit_code;
-        there.edge = ${"edge" if cls.flat else "h->edge"};
+        there.edge = ${"edge" if cls.flat else "NO_LANES"};
         there.plane = ${f"splat(row[ROW_X + {cls.axis}])" if cls.flat and cls.axis is not None else "h->plane"};
         contact_t c = no_contact(p, t);
         place_${cls.suffix}(scene, p, &there, asked, &c);

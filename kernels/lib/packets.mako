@@ -121,7 +121,7 @@ typedef struct {
     real nearest;      // distance of the nearest face in m
     real room;         // for its rounding, along the normal, in m
     real nx, ny, nz;   // its normal
-    real t, plane;     // of the one that comes first so far
+    real plane;        // of the one that comes first so far
     lint code, rank;
     mask edge;
 % endif

@@ -88,16 +88,18 @@ def unordered(near: Neighbours) -> Iterator[tuple[int, int]]:
 
     All elements for which that is so are among them, not all pairs. Elsewhere the order follows
     from the distances and the file: where rounding cannot exchange two opaque faces, or light
-    passes both as if nothing were there.
+    passes both as if nothing were there. Of opaque bodies that are not flat any face may be hit.
     """
     elements = near.elements
     plain = np.array([_plain(e.surface) for e in elements], bool)
+    flat = np.array([e.flat for e in elements], bool)
     passed = np.array([_passed(e.surface) for e in elements], bool)
     axes = np.array([e.class_axis if e.flat and e.class_axis is not None else -1 for e in elements])
     marked = np.zeros(len(elements), bool)
 
     def wanted(i: Any, j: Any) -> Any:
-        ordered = plain[i] & plain[j] & (axes[i] == axes[j]) & (axes[i] >= 0)
+        ordered = (axes[i] == axes[j]) & (axes[i] >= 0)
+        ordered = plain[i] & plain[j] & (ordered | ~(flat[i] & flat[j]))
         return ~(ordered | (passed[i] & passed[j]) | (marked[i] & marked[j]))
 
     for pair in shared_places(near, wanted):

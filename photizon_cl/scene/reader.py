@@ -243,13 +243,12 @@ class _Reader:
     ) -> set[str]:
         """Report unknown keys; return the required keys that they were probably meant for."""
         meant: set[str] = set()
-        free = [item for item in accepted if item not in found]
         for item in found:
             if item in accepted:
                 continue
             if self.full:
                 break
-            near = _similar(item, free) or _similar(item, accepted)
+            near = _similar(item, accepted)
             hint = f"did you mean {near[0]}?" if near else ""
             meant.update(near)
             expected = f"no such key; {title} takes {', '.join(accepted)}"

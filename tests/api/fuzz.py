@@ -28,7 +28,8 @@ import executors
 import photizon_cl as pz
 from photizon_cl.result.recipe import _PREFIX
 from photizon_cl.run.recipe import Recipe
-from photizon_cl.scene.files import load, to_json, to_toml
+from photizon_cl.scene.files import load
+from photizon_cl.scene.writing import to_json, to_toml
 
 SECONDS = 5.0
 WORDS = [

@@ -18,7 +18,7 @@ from photizon_cl.cli.main import main
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.file import _checksum
 from photizon_cl.result.recipe import _PREFIX
-from photizon_cl.scene.files import to_toml
+from photizon_cl.scene.writing import to_toml
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "results"
 

@@ -20,7 +20,7 @@ from photizon_cl.atomic import TEMPORARY, Lock, replacing, sweep
 from photizon_cl.cli.main import main
 from photizon_cl.result import csv_tables
 from photizon_cl.run.directory import CHECKPOINT, steady
-from photizon_cl.scene.files import to_toml
+from photizon_cl.scene.writing import to_toml
 from photizon_cl.views.figures import draw_ledger, write_all
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -249,7 +249,7 @@ def trace(scene: dict[str, Any], rays: list[int], seed: int, batch: int = 0) -> 
             for child in _interact(tally, elements, n, point, ray, seed):
                 if child.generation >= run["generation_cap"]:
                     tally.depth_capped += child.weight
-                elif _plays_on(tally, child, run.get("roulette_floor", 0.0), seed):
+                elif _plays_on(tally, child, _floor(run), seed):
                     waiting.append(child)
     return tally
 
@@ -294,6 +294,12 @@ def _interact(
     r, phi = math.sqrt(u), 2.0 * math.pi * v
     scattered = about_normal(facing, r * math.cos(phi), r * math.sin(phi), math.sqrt(1.0 - u))
     return [replace(on, direction=scattered, weight=weight)]
+
+
+def _floor(run: dict[str, Any]) -> float:
+    """Return the roulette floor; where it is automatic, that of a scene that does not split."""
+    floor = run.get("roulette_floor", "auto")
+    return 0.0 if floor == "auto" else floor
 
 
 def _plays_on(tally: Tally, ray: Ray, floor: float, seed: int) -> bool:

@@ -39,6 +39,8 @@ def drawn(cls: Any, r: random.Random, size: float, **more: Any) -> Any:
         else:
             inner = (math.nextafter(low, high), math.nextafter(high, low), r.uniform(low, high))
             values[name] = r.choice([low, high, *inner, *PURE])
+    if "port_radius" in values:  # one of the two
+        del values[r.choice(["port_fraction", "port_radius"])]
     curved = [values[k] for k in ("curvature_radius", "front_radius", "back_radius") if k in values]
     if curved and r.random() < 0.5:
         values["aperture_radius"] = min(curved) * r.choice([1.0, 0.5, 1e-8, 1e-100])
