@@ -93,6 +93,8 @@ def not_ours(folder: Path, old: Estimates | None, figures: Iterable[str]) -> lis
 
 def is_figure(path: Path) -> bool:
     """Say whether a file is there and one of our figures."""
+    if not _there(path):
+        return False
     from photizon_cl.views.figures.style import is_figure as marked
 
     return _told(lambda: path.is_file() and marked(path))
@@ -100,6 +102,8 @@ def is_figure(path: Path) -> bool:
 
 def is_report(page: Path) -> bool:
     """Say whether a file is there and one of our reports."""
+    if not _there(page):
+        return False
     from photizon_cl.views.report.writing import is_report as marked
 
     return _told(lambda: page.is_file() and marked(page))

@@ -241,12 +241,12 @@ def test_what_a_ray_touches_is_no_place_of_what_lies_before_it() -> None:
 # -- one outcome ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("pose", POSES)
+@pytest.mark.parametrize("pose", ["along the axes", "tilted, far away"])
 def test_the_order_is_one_at_every_width_and_with_a_tree(pose: str) -> None:
     scene = contacts.slabs([1.5, 1.8, 1.3], 20.0, *POSES[pose], order=(5, 0, 4, 1, 3, 2))
     settings = replace(scene.run, rays_per_batch=64, generation_cap=8)
     digests = set()
-    for tree, lanes in itertools.product((False, True), (1, 4, 8)):
+    for tree, lanes in ((False, 1), (False, 4), (True, 1)):
         made = compile_scene(scene, settings, **with_tree(tree))
         assert "coincidence" in made.effects
         digests.add(trace_compiled(made, plan=replace(PLAN, lanes=lanes)).digest)

@@ -238,7 +238,10 @@ def conserved(found: Any) -> None:
     assert max(map(abs, found.closures())) <= slack
 
 
-@pytest.mark.parametrize("lanes", [1, WIDE, pytest.param(16, marks=pytest.mark.slow)])
+# at other widths the bits are the same: test_contract_effects.py
+@pytest.mark.parametrize(
+    "lanes", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (WIDE, 16))]
+)
 def test_nothing_is_lost_in_a_scene_of_everything(lanes):
     conserved(traced("everything", lanes))
 

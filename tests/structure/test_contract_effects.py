@@ -128,7 +128,8 @@ def forced_on(name, force):
     return asked
 
 
-@pytest.mark.parametrize("name", ["everything", PLAIN[0]])
+# all at once in a scene of everything below
+@pytest.mark.parametrize("name", [pytest.param("everything", marks=pytest.mark.slow), PLAIN[0]])
 @every_effect
 def test_an_effect_that_is_forced_on_changes_no_bit(effect, name):
     forced_on(name, frozenset({effect.name}))
