@@ -34,13 +34,14 @@ class ExecutionPlan:
     wave_rays : int
         Rays launched in one wave.
     max_bounces : int
-        K, steps a packet makes in one launch.
+        K, the most steps that a packet makes in one launch; as many as take a fifth of a second.
     refill : int
         Empty lanes that make a packet refill.
     local_size : int
         Work-group size.
     stack_rays : int
-        Waiting rays a queue segment holds at first; it grows when a scene needs more.
+        Waiting rays a queue segment holds at first, where 64 MiB are enough for all segments; it
+        grows when a scene needs more.
     tally_parts : int
         Work-items that share the records of one segment.
     tally_copies : int

@@ -64,8 +64,8 @@ class RunInfo:
         Version of photizon_cl, and digest of the sources that fix the bits, that made the batches;
         empty where an earlier version wrote the result.
     stopped : str
-        What ended the last call: ``target``, ``batches``, ``time`` or ``interrupt``; empty while it
-        goes on, and in results of earlier versions.
+        What ended the last call: ``target``, ``batches``, ``time``, ``interrupt`` or ``memory`` (no
+        more rays could wait); empty while it goes on, and in results of earlier versions.
     """
 
     device: str = ""
