@@ -64,8 +64,8 @@ def trace(
     batches : int, optional
         Batches in all.
     max_seconds : float, optional
-        Seconds for tracing, from when the program is built. The run ends within a fifth more and two
-        seconds, with the batches that are whole, or in an error where there is none.
+        Seconds for tracing, from when the program is built. The run ends within a fifth more and
+        two seconds, with the batches that are whole, or in an error where there is none.
     device : str, int or DeviceRecord, optional
         As ``photizon devices`` lists it; default ``PHOTIZON_DEVICE``, else the best.
     precision : str, optional

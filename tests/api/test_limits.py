@@ -49,27 +49,68 @@ import sys
 from photizon_cl.cli.main import main
 from photizon_cl.run.progress import Clock
 
-note = Clock.note
-Clock.note = lambda self, batches: (note(self, batches), print("batches", batches, flush=True))
+note, said = Clock.note, []
+
+def once(self, batches):
+    note(self, batches)
+    if not said:
+        said.append(print("batches", batches, flush=True))
+
+Clock.note = once
 sys.exit(main())
 """
 
 
+def ignores_ctrl_c():
+    """Have a process ignore SIGINT, as shells do for what they start in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of POSIX")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_signals_end_a_run_and_save_it(tmp_path, number):
+@pytest.mark.parametrize(
+    ("number", "preexec"),
+    [
+        pytest.param(signal.SIGINT, None, marks=pytest.mark.slow),  # as in tests/api/test_cli.py
+        (signal.SIGTERM, ignores_ctrl_c),
+        pytest.param(signal.SIGHUP, ignores_ctrl_c, marks=pytest.mark.slow),
+    ],
+    ids=["SIGINT", "SIGTERM", "SIGHUP"],
+)
+def test_signals_end_a_run_and_save_it(tmp_path, number, preexec):
     out = tmp_path / "out"
-    arguments = ["run", "box-room", "--target", "1e-6", "--out", str(out)]
+    arguments = ["run", "box-room", "--target", "1e-6", "--out", str(out), "--no-figures"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen([sys.executable, "-c", SAYS_BATCHES, *arguments], **pipes) as run:
+    with subprocess.Popen(
+        [sys.executable, "-c", SAYS_BATCHES, *arguments], preexec_fn=preexec, **pipes
+    ) as run:
         while not run.stdout.readline().startswith("batches"):
             assert run.poll() is None, run.stderr.read()
         os.kill(run.pid, number)
         began = time.monotonic()
         printed, errors = run.communicate(timeout=60)
-        assert time.monotonic() - began < 20.0  # it saves arrays and figures
+        assert time.monotonic() - began < 30.0  # and is saved
         assert "Traceback" not in errors
     assert "stopped by Ctrl-C or another signal" in printed
+    result = pz.open_result(out)
+    assert result.info.stopped == "interrupt"
+    assert result.batches > 0
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals of POSIX")
+def test_a_terminal_that_closes_costs_no_result(tmp_path):
+    import pty
+
+    out = tmp_path / "out"
+    child, terminal = pty.fork()
+    if child == 0:  # the terminal is this process's own: closing it sends SIGHUP
+        arguments = ["run", "box-room", "--target", "1e-6", "--out", str(out), "--no-figures"]
+        os.execv(sys.executable, [sys.executable, "-c", SAYS_BATCHES, *arguments])
+    said = b""
+    while b"batches" not in said:
+        said += os.read(terminal, 4096)
+    os.close(terminal)
+    _, status = os.waitpid(child, 0)
+    assert os.WIFEXITED(status), status
     result = pz.open_result(out)
     assert result.info.stopped == "interrupt"
     assert result.batches > 0
