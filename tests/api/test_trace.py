@@ -216,7 +216,7 @@ def test_a_run_without_a_batch_names_what_splits():
 
     text = told(pz.Mixed(specular=0.5, diffuse=0.5))
     assert 'a surface that splits, as that of "ball" does' in text
-    assert "generation cap of 60: set roulette_floor" in text
+    assert "generation cap of 60: raise roulette_floor" in text
     assert "Fresnel" not in text
     assert told(pz.Mirror(1.0)).endswith("report: lower rays_per_batch or raise max_seconds")
 
@@ -324,7 +324,7 @@ def test_unlit_maps_are_told():
     tables = altered("cosine-fourth", detector={"map": [256, 256]})
     result = pz.trace(tables, batches=2, rays_per_batch=QUICK)
     assert result.lit_fraction < 0.5
-    assert any("of the map bins carry at least 10 rays" in text for text in result.advisories)
+    assert any("that any ray reaches carry at least 10" in text for text in result.advisories)
     assert result.detectors["target"].map.hatched.mean() > 0.5
 
 

@@ -197,28 +197,7 @@ def test_balls_that_touch() -> None:
 
 @pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.0, 33.3)])
 def test_a_wall_on_a_floor_is_no_face_in_its_place(tilt) -> None:
-    """Rays that meet a wall next to the floor it stands on, both with faces in their places."""
-    _, v, w = (np.array(x) for x in tracer.frame({"axis": "+z", "tilt_deg": tilt}))
-    flat = {"kind": "rectangle", "half_width": 1.0, "half_height": 1.0}
-    upright = {"axis": "+z", "tilt_deg": list(tilt)}
-    # a quarter turn about the untilted v brings the normal w to u
-    aside = {"axis": "+z", "tilt_deg": [tilt[0], tilt[1] + 90.0]}
-    n = np.array(tracer.frame(aside))[2]
-    at = np.array([0.3, -0.2, 0.1])
-    faces = [
-        {**flat, **upright, "position": at.tolist(), "name": "floor", **mirror()},
-        {**flat, **upright, "position": at.tolist(), "name": "glass", **glass(1.5)},
-        {**flat, **aside, "position": (at + w).tolist(), "name": "wall", **BLACK},
-        {**flat, **aside, "position": (at + w).tolist(), "name": "plane", **CLEAR},
-    ]
-    scene = scene_of([beam((0, 0, 9), "-z")], faces)
-    assert "coincidence" in compiled(scene).effects
-    heights = 2.0 ** np.arange(-44.0, -36.0)  # beyond the rounding of where the floor is
-    starts = np.array([at - 0.5 * n + 0.5 * w + 0.01 * v for _ in heights])
-    aims = np.array([at + h * w + 0.01 * v for h in heights]) - starts
-    found = probe(scene, starts, aims / np.linalg.norm(aims, axis=1)[:, None])
-    names = [scene.element[int(element)].name for element in found.element]
-    assert set(names) == {"plane"}
+    contacts.walls_stand_on_floors(tilt)
 
 
 def test_what_a_ray_touches_is_no_place_of_what_lies_before_it() -> None:

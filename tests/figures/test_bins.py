@@ -323,7 +323,7 @@ def test_axes_of_ones_own_at_the_width_of_a_column(result):
         figure.canvas.draw()
         assert {text.get_fontsize() for text in ax.get_xticklabels()} == {7.0}
     assert len(figure.axes) == 2
-    assert ax.get_xlabel() == "u in m"
+    assert ax.get_xlabel() == "u (+x) in m"
     assert ax.get_aspect() == 1.0
     assert not figure.texts  # no title and no footer of ours
     for axes in figure.axes:
@@ -339,9 +339,9 @@ def test_axes_of_ones_own_at_the_width_of_a_column(result):
 
 def test_lengths_have_a_prefix_too(result):
     figure = draw_irradiance(result, "rim")
-    assert figure.axes[0].get_xlabel() == "u in mm"
+    assert figure.axes[0].get_xlabel() == "u (+x) in mm"
     assert figure.axes[0].get_xlim() == (-20.0, 20.0)
-    assert draw_irradiance(result, "target").axes[0].get_xlabel() == "u in m"
+    assert draw_irradiance(result, "target").axes[0].get_xlabel() == "u (+x) in m"
 
 
 def test_hatching_stays_within_its_bins():

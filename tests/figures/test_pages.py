@@ -239,12 +239,25 @@ def test_the_lit_part_of_several_maps_is_not_mixed(capsys):
                 counts, 2)  # fmt: skip
     assert made.lit_fraction > 0.99
     assert made.least_lit == ("c", 0.25, 2)
-    (advice,) = [text for text in made.advisories if "of the map bins" in text]
-    assert 'only 25.0 % of the map bins carry at least 10 rays on "c"' in advice
+    (advice,) = [text for text in made.advisories if "of the bins of" in text]
+    assert 'only 25.0 % of the bins of "c" that any ray reaches carry at least 10' in advice
     print_result(made, console())
     said = " ".join(capsys.readouterr().out.split())
     assert "25.0 % of the bins lit on c, the least of 2 maps" in said
     assert ("lit map bins", "25.0 %", "on c, the least of 2 maps") in key_figures(made)
+
+
+def test_what_stays_dark_is_not_scolded():
+    """A spot that is smaller than its map, and known well."""
+
+    def counts(_, layout):
+        cells = np.zeros(layout.n_cells, np.int64)
+        cells[layout.detectors[0].map + 7] = 100
+        return cells
+
+    made = make(tables(rectangle(name="m", detector={"map": [10, 10]})), counts, 8)
+    assert made.lit_fraction == 0.01
+    assert not [text for text in made.advisories if "carry at least 10" in text]
 
 
 # -- files ---------------------------------------------------------------------------------------

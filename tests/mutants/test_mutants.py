@@ -246,6 +246,11 @@ MUTANTS = (
         contacts.clear_lies_in_front,
     ),
     Mutant(
+        'a wall and the floor on which it stands count as in one place',
+        {'coincidence.parallel': 'ALL_LANES'},
+        contacts.walls_stand_on_floors,
+    ),
+    Mutant(
         "a ray taken in turn goes on among another's boxes",
         {'acceleration.ray': 'walks[0].ray'},
         gates.rays_in_turn_keep_apart,

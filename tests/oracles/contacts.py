@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from oracles import films, tracer
-from oracles.engine import scene_of, trace
+from oracles.engine import probe, scene_of, trace
 from oracles.scenes import BLACK, beam, glass, mirror, wall
 
 if TYPE_CHECKING:
@@ -103,3 +103,28 @@ def clear_lies_in_front() -> None:
             faces[1]["detector"] = {"side": side}
             found = trace(scene_of([beam((0.0, 0.0, 1.0), "-z")], faces), rays_per_batch=64)
             assert float(found.detector("plane").power) / 64 == power
+
+
+def walls_stand_on_floors(tilt: tuple[float, float] = (0.0, 0.0)) -> None:
+    """Rays that meet a wall next to the floor it stands on, both with faces in their places."""
+    _, v, w = (np.array(x) for x in tracer.frame({"axis": "+z", "tilt_deg": tilt}))
+    flat = {"kind": "rectangle", "half_width": 1.0, "half_height": 1.0}
+    upright = {"axis": "+z", "tilt_deg": list(tilt)}
+    # a quarter turn about the untilted v brings the normal w to u
+    aside = {"axis": "+z", "tilt_deg": [tilt[0], tilt[1] + 90.0]}
+    n = np.array(tracer.frame(aside))[2]
+    at = np.array([0.3, -0.2, 0.1])
+    faces = [
+        {**flat, **upright, "position": at.tolist(), "name": "floor", "surface": {"kind": "clear"}},
+        {**flat, **upright, "position": at.tolist(), "name": "glass", **glass(1.5)},
+        {**flat, **aside, "position": (at + w).tolist(), "name": "wall", **BLACK},
+        {**flat, **aside, "position": (at + w).tolist(), "name": "pane", **glass(1.5)},
+    ]
+    scene = scene_of([beam((0, 0, 9), "-z")], faces)
+    heights = 2.0 ** np.arange(-44.0, -36.0)  # beyond the rounding of where the floor is
+    starts = np.array([at + 0.5 * n + 0.5 * w + 0.01 * v for _ in heights])
+    aims = np.array([at + h * w + 0.01 * v for h in heights]) - starts
+    found = probe(scene, starts, aims / np.linalg.norm(aims, axis=1)[:, None])
+    # the pane is met from outside, so the wall comes first; the floor lies beyond
+    names = {scene.element[int(element)].name for element in found.element}
+    assert names == {"wall"}

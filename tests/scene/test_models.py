@@ -252,11 +252,11 @@ def test_detector_that_faces_away():
     detector = pz.Detector()
     away = plate(axis="-z", detector=detector)
     (line,) = advisories([point(0, 0, 1)], [away])
-    assert "name the other side" in line
+    assert "set its side to" in line
     assert advisories([point(0, 0, 1)], [plate(detector=detector)]) == []
     assert advisories([point(0, 0, 1)], [away, plate(pz.Mirror(1), z=-2.0, name="m")]) == []
     (line,) = advisories([point(0, 0, 3)], [ball(detector=detector)])
-    assert "name the other side" in line
+    assert "set its side to" in line
     outside = ball(detector=pz.Detector(side="outside"))
     assert advisories([point(0, 0, 3)], [outside]) == []
     assert len(advisories([point(0, 0, 0)], [outside])) == 1
