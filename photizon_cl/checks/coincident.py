@@ -117,7 +117,7 @@ def _indices(element: Element) -> tuple[float, float]:
 
 
 def _film(one: Element, other: Element, pair: Shared) -> str:
-    (inside, outside), (index, apart) = _indices(one), _indices(other)
+    (_, outside), (index, apart) = _indices(one), _indices(other)
     text = (
         f'elements "{one.name}" and "{other.name}" '
         + ("touch" if pair.point else "have faces in one place")
@@ -132,12 +132,10 @@ def _film(one: Element, other: Element, pair: Shared) -> str:
         )
     if pair.point:
         return text
-    if one.flat or other.flat:
-        kept, gone = (one, other) if other.flat else (other, one)
-        beyond = index if kept is one else inside
+    if one.flat and other.flat:  # a body has one surface for all its faces
         return text + (
-            f'; to cement them, give "{kept.name}" index_outside = {beyond:g} and make '
-            f'"{gone.name}" clear'
+            f'; to cement them, give "{one.name}" index_outside = {index:g} and make '
+            f'"{other.name}" clear'
         )
     return text
 
@@ -157,8 +155,8 @@ def _on_glass(pair: Shared, glass: Element, plain: Element) -> str:
         f'"{glass.name}": light inside leaves that first and passes a film of index {outside:g} '
         f'before it meets "{plain.name}", and what comes from outside meets "{plain.name}" first'
     )
-    if inside == outside or pair.point:
-        return text
+    if inside == outside or pair.point or not glass.flat:
+        return text  # a body has one surface for all its faces
     return text + (
         f'; where it is meant to touch the glass without a film, give "{glass.name}" '
         f"index_outside = {inside:g}"

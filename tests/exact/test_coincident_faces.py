@@ -285,6 +285,18 @@ def test_cement_is_told_and_is_cement() -> None:
     assert "in one place" not in "\n".join(advisories(cemented))
 
 
+def test_a_body_is_not_told_to_change_all_its_faces() -> None:
+    """A lens has one surface: another index outside would change its curved face as well."""
+    lens = {"kind": "plano-convex", "curvature_radius": 1.0, "aperture_radius": 0.5}
+    lens = {**lens, "name": "lens", "axis": "+z", "position": [0, 0, 0], **glass(1.5)}
+    for surface in (glass(1.8), BLACK):
+        for order in (1, -1):
+            text = named([lens, {**wall((0, 0, 0), "+z"), "name": "plate", **surface}][::order])
+            assert '"lens"' in text
+            assert "film of index 1 " in text
+            assert "index_outside" not in text
+
+
 def test_nothing_is_compiled_where_the_file_settles_the_order() -> None:
     """Opaque faces at exactly one distance, and bodies with a gap."""
     flush = [{**wall((0, 0, 0), "+z", h), **s} for h, s in ((0.1, BLACK), (0.5, mirror()))]
