@@ -79,7 +79,10 @@ def shared_places(near: Neighbours, wanted: Wanted) -> Iterator[Shared]:
             exact=_ordered(near.elements[i], near.elements[j]),
         )
     if len(rounds.faces):
-        found = (*_round_pairs(near, rounds), *_touching_planes(near, planes, rounds))
+        found = (
+            *_round_pairs(near, rounds, wanted),
+            *_touching_planes(near, planes, rounds, wanted),
+        )
         yield from (pair for pair in found if wanted(pair.first, pair.second))
 
 
@@ -187,10 +190,10 @@ class _Rounds:
         return all(whole.touches(element.local(point), room) for point in points)
 
 
-def _round_pairs(near: Neighbours, rounds: _Rounds) -> Iterator[Shared]:
+def _round_pairs(near: Neighbours, rounds: _Rounds, wanted: Wanted) -> Iterator[Shared]:
     """Give the pairs of surfaces of revolution that coincide or touch."""
     centres, radii, axes = rounds.centres, rounds.radii, rounds.axes
-    for i, j in face_pairs(near, rounds.begin, rounds.begin):
+    for i, j in face_pairs(near, rounds.begin, rounds.begin, wanted):
         room = ROUNDING * (rounds.far[i] + rounds.far[j])
         apart = np.linalg.norm(centres[j] - centres[i], axis=1)
         sum_, difference = radii[i] + radii[j], np.abs(radii[i] - radii[j])
@@ -280,13 +283,17 @@ def _coincide(rounds: _Rounds, a: int, b: int, room: float) -> bool:
     return True
 
 
-def _touching_planes(near: Neighbours, planes: PlaneFaces, rounds: _Rounds) -> Iterator[Shared]:
+def _touching_planes(
+    near: Neighbours, planes: PlaneFaces, rounds: _Rounds, wanted: Wanted
+) -> Iterator[Shared]:
     """Give the pairs of a plane and a ball that touch."""
     if not len(planes.faces):
         return
     for plane_first in (True, False):
         begins = (planes.begin, rounds.begin)
-        for one, other in face_pairs(near, *(begins if plane_first else begins[::-1])):
+        for one, other in face_pairs(
+            near, *(begins if plane_first else begins[::-1]), wanted=wanted
+        ):
             p, b = (one, other) if plane_first else (other, one)
             yield from _tangent(near, planes, rounds, p, b)
 

@@ -109,7 +109,7 @@ def dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def face_pairs(
-    near: Neighbours, first_begin: Numbers, second_begin: Numbers
+    near: Neighbours, first_begin: Numbers, second_begin: Numbers, wanted: Wanted
 ) -> Iterator[tuple[Numbers, Numbers]]:
     """Give the pairs of faces of different elements whose boxes meet, the smaller number first.
 
@@ -119,6 +119,8 @@ def face_pairs(
         The elements.
     first_begin, second_begin : ndarray, shape (n + 1,), int64
         Where each element's faces begin, of the first and of the second faces.
+    wanted : callable
+        Says which pairs of elements are looked at, by their numbers.
 
     Yields
     ------
@@ -127,6 +129,7 @@ def face_pairs(
     """
     for one, other in near.pairs():
         ordered = one < other
+        ordered[ordered] = wanted(one[ordered], other[ordered])
         i, j = one[ordered], other[ordered]
         rows = second_begin[j + 1] - second_begin[j]
         many = (first_begin[i + 1] - first_begin[i]) * rows
@@ -154,7 +157,7 @@ def coplanar(near: Neighbours, faces: PlaneFaces, wanted: Wanted) -> Iterator[tu
     """
     frames, centres, halves, far = faces.frames, faces.centres, faces.halves, faces.far
     size = halves.max(axis=1, initial=0.0)
-    for i, j in face_pairs(near, faces.begin, faces.begin):
+    for i, j in face_pairs(near, faces.begin, faces.begin, wanted):
         apart, room = centres[j] - centres[i], ROUNDING * np.maximum(far[i], far[j])
         flush = np.abs(dot(apart, frames[i, 2])) <= room
         # where they meet at an angle it lifts the smaller out of the plane
@@ -168,7 +171,6 @@ def coplanar(near: Neighbours, faces: PlaneFaces, wanted: Wanted) -> Iterator[tu
                     halves[other, m] * np.abs(dot(frames[other, m], along)) for m in (0, 1)
                 )
                 flush &= np.abs(dot(apart, along)) < reach - room
-        flush &= wanted(faces.owner[i], faces.owner[j])
         for k, m in zip(i[flush].tolist(), j[flush].tolist(), strict=True):
             if wanted(faces.owner[k], faces.owner[m]) and overlap(faces, k, m):
                 yield k, m
