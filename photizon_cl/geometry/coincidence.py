@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.planes import ROUNDING, PlaneFaces, coplanar, face_pairs
 from photizon_cl.scene.faces import Ball, Revolved
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from photizon_cl.geometry.neighbours import Neighbours
     from photizon_cl.geometry.planes import Wanted
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.frames import Vec3
@@ -86,18 +86,24 @@ def shared_places(near: Neighbours, wanted: Wanted) -> Iterator[Shared]:
         yield from (pair for pair in found if wanted(pair.first, pair.second))
 
 
-def unordered(near: Neighbours) -> Iterator[tuple[int, int]]:
+def unordered(elements: Sequence[Element]) -> Iterator[tuple[int, int]]:
     """Give pairs of elements whose order in one place is for the kernels to settle.
 
     All elements for which that is so are among them, not all pairs. Elsewhere the order follows
     from the distances and the file: where rounding cannot exchange two opaque faces, or light
     passes both as if nothing were there. Of opaque bodies that are not flat any face may be hit.
     """
-    elements = near.elements
     plain = np.array([_plain(e.surface) for e in elements], bool)
     flat = np.array([e.flat for e in elements], bool)
     passed = np.array([_passed(e.surface) for e in elements], bool)
     axes = np.array([e.class_axis if e.flat and e.class_axis is not None else -1 for e in elements])
+    if plain.all():  # then it is about flat ones of which some are tilted, often few
+        if not (flat & (axes < 0)).any():
+            return
+        if not flat.all():
+            few = np.flatnonzero(flat).tolist()
+            yield from ((few[i], few[j]) for i, j in unordered([elements[n] for n in few]))
+            return
     marked = np.zeros(len(elements), bool)
 
     def wanted(i: Any, j: Any) -> Any:
@@ -105,7 +111,7 @@ def unordered(near: Neighbours) -> Iterator[tuple[int, int]]:
         ordered = plain[i] & plain[j] & (ordered | ~(flat[i] & flat[j]))
         return ~(ordered | (passed[i] & passed[j]) | (marked[i] & marked[j]))
 
-    for pair in shared_places(near, wanted):
+    for pair in shared_places(Neighbours(elements), wanted):
         i, j = pair.first, pair.second
         if not (plain[i] and plain[j] and (pair.exact or pair.point)):
             marked[i] = marked[j] = True

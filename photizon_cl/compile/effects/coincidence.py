@@ -9,7 +9,6 @@ import numpy as np
 from hostcode.program.spec import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.geometry.coincidence import unordered
-from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.planes import ROUNDING
 from photizon_cl.scene.rows import Row
 
@@ -31,7 +30,7 @@ class Coincidence(Effect):
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Where neither rounding nor the file may decide: `photizon_cl.geometry.coincidence`."""
-        pair = next(unordered(Neighbours(scene.element)), None)
+        pair = next(unordered(scene.element), None)
         if pair is None:
             return None
         a, b = (scene.element[n].name for n in pair)
@@ -43,7 +42,7 @@ class Coincidence(Effect):
 
     def prepare(self, draft: Draft, *, forced: bool) -> None:
         """Mark the elements that it is about."""
-        draft.coincident = frozenset(n for pair in unordered(draft.near) for n in pair)
+        draft.coincident = frozenset(n for pair in unordered(draft.scene.element) for n in pair)
 
     def packed(self, draft: Draft, number: int) -> dict[str, float]:
         """Return the room for rounding, which follows the positions that were given."""
