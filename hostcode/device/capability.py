@@ -169,12 +169,18 @@ _first: Final = threading.Lock()
 def _survey() -> Survey:
     try:
         provide_cache()
-        import pyopencl as cl
+        import pyopencl  # noqa: F401  (whether it can be)
     except OSError as error:
         return Survey((), (str(error),))
     except ImportError as error:  # a wheel for the wrong system, a missing libOpenCL
         return Survey((), (f"pyopencl cannot be imported: {error}",))
     mend_pypi_pocl()  # before the loader first looks at its platforms; mostly does nothing
+    return _read_platforms()
+
+
+def _read_platforms() -> Survey:
+    import pyopencl as cl
+
     try:
         platforms = cl.get_platforms()
     except cl.Error as error:

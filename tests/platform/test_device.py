@@ -233,7 +233,7 @@ def test_a_platform_that_fails_is_reported_and_not_fatal(monkeypatch):
 
     usual, real = dev.enumerate_devices(), cl.get_platforms()
     monkeypatch.setattr(cl, "get_platforms", lambda: [_BrokenPlatform(), *real])
-    found = capability._survey.__wrapped__()
+    found = capability._read_platforms()
     assert len(found.problems) == 1
     assert "OUT_OF_HOST_MEMORY" in found.problems[0]
     assert [record.platform_index for record in found.records] == [
