@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from hostcode.errors import HostError
 from hostcode.program.codes import CODE
 from hostcode.program.fields import ENDING_TYPES, HIT_TYPES, RAY_TYPES, declare, of_type
-from hostcode.program.spec import CACHE_LINE
+from hostcode.program.spec import CACHE_LINE, TALLY_STAGES
 from hostcode.program.structs import ITEM, LAUNCH, LAUNCH_TYPES, c_struct
 from hostcode.templates import lane, render
 
@@ -18,16 +18,13 @@ __all__ = ["HOOKS", "PLACES", "RECORDS", "hook_name", "program_source"]
 
 PLACES: Final = ("search", "survive", "tally")
 """Where the templates of effects stand: behind the elements' functions, before what may end a ray
-between two interactions, among what counts endings."""
+between two interactions, among what counts endings, which is a program of its own."""
 
 HOOKS: Final = ("travel", "surface", "survive")
 """Where the statements of effects stand in an interaction, see kernels/lib/interaction.mako."""
 
 RECORDS: Final = ("arrivals", "escapes")
 """What effects may have recorded for the tally stage, see kernels/lib/shade.mako."""
-
-_ALONE: Final = frozenset({"probe", "follow", "paths"})
-"""Stages that leave nothing for the tally stage."""
 
 
 def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
@@ -37,7 +34,10 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     def at(place: str) -> list[str]:
         return [template for where, template in placed if where == place]
 
-    names = ["prelude", "lib/philox", "lib/elementary", "lib/vectors", "lib/limbs", "lib/packets"]
+    if spec.stages == TALLY_STAGES:
+        return [(name, {}) for name in ("prelude", "lib/launch", "lib/limbs")] + _tally_parts(spec)
+    names = ["prelude", "lib/launch", "lib/philox", "lib/elementary", "lib/vectors", "lib/limbs"]
+    names.append("lib/packets")
     if spec.splits:
         names.append("lib/children")
     wanted = [kind.libraries for kind in spec.classes]
@@ -52,19 +52,24 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     names.append("lib/directions")
     parts += [(name, {}) for name in names]
     parts += [(f"surfaces/{kind.kind}", {"surface": kind}) for kind in spec.surfaces]
-    if spec.records:
-        parts += [(name, {}) for name in ("lib/cells", "lib/bins")]
-    if spec.records:
-        filters = dict.fromkeys(entry for form in spec.forms for entry in form.filters)
-        parts += [(f"filters/{stem}", {"option": option}) for stem, option in filters]
-    names = [*at("tally"), *at("survive"), "lib/shade", "lib/survive", "lib/sources"]
+    names = [*at("survive"), "lib/shade", "lib/survive", "lib/sources"]
     parts += [(name, {}) for name in names]
     parts += [(f"sources/{kind.stem}", {"source": kind}) for kind in spec.sources]
     names = ["lib/generate", "lib/queue", "lib/interaction", "lib/arguments"]
     names += [f"stages/{stage}" for stage in spec.stages]
-    if spec.records and not _ALONE & set(spec.stages):
-        names.append("stages/tally")
     return parts + [(name, {}) for name in names]
+
+
+def _tally_parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
+    """Return the templates behind the common ones of the program that counts what was recorded."""
+    libraries = dict.fromkeys(library for part in spec.parts for library in part.libraries)
+    filters = dict.fromkeys(entry for form in spec.forms for entry in form.filters)
+    placed = [entry for part in spec.parts for entry in part.templates]
+    parts: list[tuple[str, dict[str, Any]]] = []
+    parts += [(name, {}) for name in (*libraries, "lib/cells", "lib/bins")]
+    parts += [(f"filters/{stem}", {"option": option}) for stem, option in filters]
+    parts += [(template, {}) for place, template in placed if place == "tally"]
+    return [*parts, ("stages/tally", {})]
 
 
 def hook_name(part: EffectParts, place: str) -> str:

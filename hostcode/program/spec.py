@@ -19,6 +19,7 @@ __all__ = [
     "CACHED_BYTES",
     "CACHE_LINE",
     "MAX_REGISTER_ELEMENTS",
+    "TALLY_STAGES",
     "EffectParts",
     "ElementClass",
     "ProgramSpec",
@@ -28,6 +29,8 @@ __all__ = [
     "TallyForm",
 ]
 
+TALLY_STAGES: Final = ("tally",)
+"""Stages of the program that counts endings."""
 MAX_REGISTER_ELEMENTS: Final = 8
 """Up to this many elements the ledger is kept in registers."""
 CACHE_LINE: Final = 64
@@ -223,6 +226,20 @@ class EffectParts:
     orders: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
 
+    def for_tally(self) -> EffectParts:
+        """Return what of it concerns the program that counts endings."""
+        templates = tuple(entry for entry in self.templates if entry[0] == "tally")
+        mine = EffectParts(ending=self.ending, launch=self.launch, records=self.records)
+        if not templates:
+            return mine
+        return replace(
+            mine,
+            effect=self.effect,
+            templates=templates,
+            libraries=self.libraries,
+            parameters=self.parameters,
+        )
+
 
 @dataclass(frozen=True)
 class ProgramSpec:
@@ -278,6 +295,31 @@ class ProgramSpec:
             stages=stages,
             interleaved=interleaved,
             private_tallies=private_tallies,
+        )
+
+    def for_tally(self) -> ProgramSpec:
+        """Return what the program that counts endings depends on, given a device's spec.
+
+        Nothing of elements, surfaces or sources, so that scenes which count in the same way share
+        it.
+        """
+        parts = tuple(part.for_tally() for part in self.parts)
+        return replace(
+            self,
+            classes=(),
+            surfaces=(),
+            sources=(),
+            effects=frozenset(),
+            parts=tuple(part for part in parts if part != EffectParts()),
+            columns=(),
+            strides=Strides(),
+            ledger=(),
+            n_elements=0,
+            lanes=1,
+            packets=1,
+            cached_bytes=0,
+            interleaved=False,
+            stages=TALLY_STAGES,
         )
 
     @property

@@ -124,6 +124,9 @@ class Engine:
             cached_bytes=plan.cached_bytes,
         )
         self.program: Program = build(device, spec)
+        self._programs = [self.program]
+        if spec.records:
+            self._programs.append(build(device, spec.for_tally()))
         self._items = self._count_items()
         self._queue = Queue(device, spec, self._items, self._stack_capacity())
         allocate, upload = self._allocate, self._upload
@@ -146,7 +149,7 @@ class Engine:
         )
         self._hits = self._allocate_hits()
         self._bind()
-        self.build_seconds = self.program.build_seconds + self._warm_up()
+        self.build_seconds = sum(p.build_seconds for p in self._programs) + self._warm_up()
 
     def _allocate(self, size: int) -> cl.Buffer:
         flags = self._cl.mem_flags.READ_WRITE
@@ -222,8 +225,8 @@ class Engine:
         queue = (self._queue.items, self._status, *self._queue.fields)
         kernels: list[tuple[cl.Kernel, int]] = []
 
-        def add(name: str, *arguments: Any, size: int = self._items) -> None:
-            kernel = self.program.kernel(name)
+        def add(name: str, *arguments: Any, size: int = self._items, of: int = 0) -> None:
+            kernel = self._programs[of].kernel(name)
             kernel.set_args(*arguments)
             local = self.plan.local_size
             kernels.append((kernel, math.ceil(size / local) * local))
@@ -249,10 +252,11 @@ class Engine:
                 self._tally_copies if self._copies else self._tally,
                 np.uint64(parts),
                 size=parts if self._copies else self._items * parts,
+                of=1,
             )
         self._merge = None
         if self._copies:
-            self._merge = self.program.kernel("merge_stage")
+            self._merge = self._programs[1].kernel("merge_stage")
             self._merge.set_args(
                 self._launch_buffer, self._tally_copies, self._tally, np.uint64(self._copies)
             )
@@ -291,7 +295,8 @@ class Engine:
             )
         self._launch_merge()
         self.device.queue.finish()
-        self.program.keep()
+        for program in self._programs:
+            program.keep()
         return time.perf_counter() - started
 
     # -- running -------------------------------------------------------------------------------

@@ -9,9 +9,6 @@ FN scene_t open_scene(__global const double *geometry, __global const double *ma
     const scene_t s = {geometry, materials, sources, codes};
     return s;
 }
-FN launch_t open_launch(__global const launch_t *launch) {
-    return *launch;
-}
 FN queue_t open_queue(const launch_t *launch, __global double *reals, __global uint *words,
                       __global long *longs, ulong me) {
     const queue_t q = {reals, words, longs, launch->items, launch->stack_capacity, me};

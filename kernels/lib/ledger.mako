@@ -8,7 +8,6 @@
 % for n, name in enumerate(ledger):
 #define ROW_${name.upper()} ${n}
 % endfor
-#define CELL 4
 
 typedef struct {
     __global long *tally;

@@ -1,9 +1,6 @@
-## effects, classes, splits, orders; launch_struct, item_struct, ray_struct (text of members); hit_fields; columns,
-## strides; code (fields of a code); counts (of notes)
-// The ray packet, the surface hit, and what one launch is told.
-
-${launch_struct}
-${item_struct}
+## effects, classes, splits, orders; ray_struct (text of members); hit_fields; columns, strides;
+## code (fields of a code); counts (of notes)
+// The ray packet and the surface hit.
 
 // Packets that a work-item keeps; more than one where they are taken in turn (effects/acceleration.mako).
 #define PACKETS ${packets}

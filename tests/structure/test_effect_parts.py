@@ -72,9 +72,15 @@ def test_the_places_are_those_of_the_templates() -> None:
     assert set(re.findall(r'"(\w+)" in recorded', text)) == set(RECORDS)
     told = (kernels_dir() / "lib" / "interaction.mako").read_text("utf-8")
     assert re.findall(r"^##   (\w+) ", told, re.MULTILINE) == list(HOOKS)
-    plain = program_source(spec())
+    plain = spec()
     for place in PLACES:
-        assert program_source(spec(EffectParts(templates=((place, "lib/cap"),)))) != plain
+        more = spec(EffectParts(templates=((place, "lib/cap"),)))
+        if place == "tally":
+            assert program_source(more.for_tally()) != program_source(plain.for_tally())
+            assert program_source(more) == program_source(plain)
+        else:
+            assert program_source(more) != program_source(plain)
+            assert more.for_tally() == plain.for_tally()
 
 
 @pytest.mark.parametrize("place", HOOKS)
@@ -115,3 +121,13 @@ def test_compiled_parts_have_their_effects_names() -> None:
     assert '#line 1 "hook survive of roulette"\n    roulette(' in program_source(
         made.tables.spec.for_device(4, ("wave",))
     )
+
+
+def test_scenes_that_count_alike_share_the_program_that_counts() -> None:
+    """Whatever their elements, surfaces and sources."""
+    specs = [
+        compiled(pz.load(name)).tables.spec.for_device(4, ("wave",), private_tallies=True)
+        for name in ("cpc-concentrator", "box-room")
+    ]
+    assert len({program_source(one) for one in specs}) == 2
+    assert len({program_source(one.for_tally()) for one in specs}) == 1
