@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from hostcode.errors import HostError
 from hostcode.program.codes import CODE
 from hostcode.program.fields import ENDING_TYPES, HIT_TYPES, RAY_TYPES, declare, of_type
-from hostcode.program.spec import CACHE_LINE, TALLY_STAGES
+from hostcode.program.spec import CACHE_LINE, PROBE_STAGES, TALLY_STAGES
 from hostcode.program.structs import ITEM, LAUNCH, LAUNCH_TYPES, c_struct
 from hostcode.templates import lane, render
 
@@ -48,14 +48,19 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     parts: list[tuple[str, dict[str, Any]]] = [(name, {}) for name in names]
     for cls in spec.classes:
         parts += [(name, {"cls": cls}) for name in (*cls.templates, "lib/meet")]
-    names = [*at("search"), "lib/faces", "lib/nearest", "lib/locate", "lib/ledger", "lib/event"]
-    names.append("lib/directions")
+    names = [*at("search"), "lib/faces", "lib/nearest", "lib/locate"]
     parts += [(name, {}) for name in names]
+    if spec.stages == PROBE_STAGES:
+        return [*parts, ("lib/arguments", {}), ("stages/probe", {})]
+    parts += [(name, {}) for name in ("lib/ledger", "lib/event", "lib/directions")]
     parts += [(f"surfaces/{kind.kind}", {"surface": kind}) for kind in spec.surfaces]
-    names = [*at("survive"), "lib/shade", "lib/survive", "lib/sources"]
+    names = [*at("survive"), "lib/shade", "lib/survive"]
     parts += [(name, {}) for name in names]
-    parts += [(f"sources/{kind.stem}", {"source": kind}) for kind in spec.sources]
-    names = ["lib/generate", "lib/queue", "lib/interaction", "lib/arguments"]
+    if spec.launches:
+        parts.append(("lib/sources", {}))
+        parts += [(f"sources/{kind.stem}", {"source": kind}) for kind in spec.sources]
+        parts.append(("lib/generate", {}))
+    names = ["lib/queue", "lib/interaction", "lib/arguments", "lib/report"]
     names += [f"stages/{stage}" for stage in spec.stages]
     return parts + [(name, {}) for name in names]
 
@@ -143,6 +148,7 @@ def program_source(spec: ProgramSpec) -> str:
         "private_tallies": spec.private_tallies,
         "n_elements": spec.n_elements,
         "ledger": spec.ledger,
+        "books": spec.books,
         "ledger_rows": spec.n_elements + len(spec.ledger) if spec.n_elements else 0,
         "columns": spec.columns,
         "strides": spec.strides,

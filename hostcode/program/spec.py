@@ -19,6 +19,7 @@ __all__ = [
     "CACHED_BYTES",
     "CACHE_LINE",
     "MAX_REGISTER_ELEMENTS",
+    "PROBE_STAGES",
     "TALLY_STAGES",
     "EffectParts",
     "ElementClass",
@@ -29,8 +30,12 @@ __all__ = [
     "TallyForm",
 ]
 
+PROBE_STAGES: Final = ("probe",)
+"""Stages of the program that searches for faces and does nothing else."""
 TALLY_STAGES: Final = ("tally",)
 """Stages of the program that counts endings."""
+_GIVEN_RAYS: Final = frozenset({"probe", "follow"})
+"""Stages that are given their rays, and keep no ledger."""
 MAX_REGISTER_ELEMENTS: Final = 8
 """Up to this many elements the ledger is kept in registers."""
 CACHE_LINE: Final = 64
@@ -271,6 +276,8 @@ class ProgramSpec:
     interleaved: bool = False
     private_tallies: bool = False
     stages: tuple[str, ...] = ("wave",)
+    books: bool = True
+    """Whether a ledger is kept."""
 
     def for_device(
         self,
@@ -283,12 +290,22 @@ class ProgramSpec:
     ) -> ProgramSpec:
         """Return the spec with what a device and a composition add.
 
+        What the stages make no use of is left out, so that more scenes share a program.
+
         `lanes` is how many rays a work-item holds at once: in the lanes of one packet, or, where
         each is searched for by itself, in as many packets of one lane.
         """
         one_by_one = self.one_by_one
+        launches = books = bool(set(stages) - _GIVEN_RAYS)
+        probes = stages == PROBE_STAGES
         return replace(
             self,
+            sources=self.sources if launches else (),
+            surfaces=() if probes and not self.orders else self.surfaces,
+            forms=() if probes else self.forms,
+            ledger=() if probes else self.ledger,
+            n_elements=self.n_elements if books else 0,
+            books=books,
             lanes=1 if one_by_one else lanes,
             packets=lanes if one_by_one else 1,
             cached_bytes=cached_bytes if one_by_one and lanes > 1 else 0,
@@ -321,6 +338,11 @@ class ProgramSpec:
             interleaved=False,
             stages=TALLY_STAGES,
         )
+
+    @property
+    def launches(self) -> bool:
+        """Whether rays come from sources."""
+        return bool(self.sources)
 
     @property
     def splits(self) -> bool:

@@ -72,7 +72,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 % else:
     const mask around = nowhere;
 % endif
-    if (!ANY(possible | around)) {
+    if (!ANY(possible | ${point("cpc.around", "around")})) {
         *t_out = far;
         *face_out = lsplat(0L);
         return NO_LANES;

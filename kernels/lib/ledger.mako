@@ -1,5 +1,5 @@
 ## effects, lanes, ledger (names of the rows behind the elements'), ledger_rows (number of rows kept in
-## registers, 0 for none), n_elements where that is > 0
+## registers, 0 for none), n_elements where that is > 0; books: whether the stage keeps one at all
 // The ledger of one work-item: what elements absorb, what escapes, what roulette and the generation
 // cap take.  Rows: element 0 ... n-1, then the named ones.
 //
@@ -31,7 +31,7 @@ FN void open_ledger(ledger_t *ledger, __global long *tally) {
 % endfor
 }
 
-% if not ledger_rows:
+% if books and not ledger_rows:
 FN void add_limbs(__global long *cell, long a, long b, long c) {
     if (a) atom_add(cell, a);
     if (b) atom_add(cell + 1, b);
@@ -57,7 +57,7 @@ FN void book(ledger_t *ledger, lint row, mask m, image_t image) {
         ledger->a${r} += image.p0 & k; ledger->b${r} += image.p1 & k; ledger->c${r} += image.p2 & k;
     }
 % endfor
-% if not ledger_rows:
+% if books and not ledger_rows:
 % for l in range(lanes):
     if (${lane("m", l)})
         add_limbs(ledger->tally + ${lane("row", l)} * CELL, ${lane("image.p0", l)}, ${lane("image.p1", l)}, ${lane("image.p2", l)});
@@ -96,6 +96,7 @@ FN void close_ledger(ledger_t *ledger) {
 // cell `first` + number.  0 <= w <= 4, which the weight of a ray keeps: what is longer must be scaled
 // (Effect.scale).  A cell that was given another number is filled up, and the host ends the run.
 FN void count_weights(const ledger_t *ledger, ulong first, lint number, mask m, real w) {
+% if books:
     const mask fits = GE(w, splat(0.0)) & LE(w, splat(4.0));
     const image_t image = image_of(SEL(fits, w, splat(0.0)));
 % for l in range(lanes):
@@ -108,6 +109,7 @@ FN void count_weights(const ledger_t *ledger, ulong first, lint number, mask m, 
         atom_add(cell + 3, 1L);
     }
 % endfor
+% endif
 }
 
 // Interactions have a row of their own, the last cell of a batch's tally; only its count is used.

@@ -8,6 +8,11 @@ typedef struct {
     __global long *longs;
     ulong items, capacity, item;
 } queue_t;
+FN queue_t open_queue(const launch_t *launch, __global double *reals, __global uint *words,
+                      __global long *longs, ulong me) {
+    const queue_t q = {reals, words, longs, launch->items, launch->stack_capacity, me};
+    return q;
+}
 <%
     place = "(i * (long)q->items + (long)q->item)" if interleaved else "((long)(q->item * q->capacity) + i)"
     field = "(long)(q->items * q->capacity)"
@@ -92,6 +97,11 @@ typedef struct {
     __global uint *words;
     ulong capacity, item;
 } records_t;
+FN records_t open_records(const launch_t *launch, __global double *reals, __global uint *words,
+                          ulong me) {
+    const records_t r = {reals, words, launch->record_capacity, me};
+    return r;
+}
 % if records:
 
 FN void put_records(const records_t *r, ulong *n_records, const ending_t *end) {
