@@ -1,7 +1,8 @@
 """Numerical stability: hard cases through the kernels of the trace, against 60-digit arithmetic.
 
 ``python -m photizon_cl.stability`` prints one table, family × cases × worst ulps × bound ×
-condition, and draws a figure. It needs mpmath, which comes with the extra ``test``.
+condition, and draws a figure. It needs mpmath, or gmpy2, which is faster; both come with the extra
+``test``.
 """
 
 from __future__ import annotations
@@ -50,10 +51,10 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from photizon_cl.errors import ArgumentError
     from photizon_cl.run.distribution import open_chosen
-    from photizon_cl.stability.digits import load_mpmath
+    from photizon_cl.stability.digits import load_digits
     from photizon_cl.stability.report import FAMILIES, table, write_figure
 
-    load_mpmath()
+    load_digits()
     known = (*FAMILIES, "fresnel")
     for name in arguments.family:
         if name not in known:

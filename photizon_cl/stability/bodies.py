@@ -20,7 +20,7 @@ from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle
 from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
-from photizon_cl.stability.digits import Vector, add, dot, load_mpmath, norm, scaled
+from photizon_cl.stability.digits import Vector, add, dot, load_digits, norm, scaled
 from photizon_cl.stability.quadrics import Quadric, lengths_of
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ class Plane(Face):
 
     def normal(self, p: Vector, s: Vector) -> Vector:
         """Return the normal."""
-        mpf = load_mpmath().mpf
+        mpf = load_digits().mpf
         out = [mpf(0), mpf(0), mpf(0)]
         out[self.axis] = mpf(self.sign)
         return out
@@ -126,7 +126,7 @@ class Ball(Face):
 
     def roots(self, o: Vector, d: Vector, s: Vector) -> Roots:
         """Return the chord's ends."""
-        mp = load_mpmath()
+        mp = load_digits()
         f, r = self._from_centre(o, s), self.radius(s)
         a, b, c = dot(d, d), dot(f, d), dot(f, f) - r * r
         square = b * b - a * c
@@ -141,7 +141,7 @@ class Paraboloid(Face):
     """The wall of a CPC; sizes are exit radius and acceptance angle in degrees."""
 
     def _terms(self, s: Vector) -> Any:
-        mp = load_mpmath()
+        mp = load_digits()
         angle = s[1] * mp.pi / 180
         si, co, a = mp.sin(angle), mp.cos(angle), s[0]
         b = 2 * a * (1 + si) ** 2
@@ -155,20 +155,20 @@ class Paraboloid(Face):
         si, co, b, d, e = terms[:5]
         # C²R² + (2CSz + B) R + S²z² − Dz − E = 0
         p, q = 2 * co * si * z + b, e + d * z - si * si * z * z
-        root = load_mpmath().sqrt(p * p + 4 * co * co * q)
+        root = load_digits().sqrt(p * p + 4 * co * co * q)
         r = 2 * q / (p + root)
         w = co * r + si * z
         return r, (d - 2 * si * w) / (b + 2 * co * w)
 
     def value(self, p: Vector, s: Vector) -> Any:
         """Return r − R(z), along the normal to first order."""
-        mp = load_mpmath()
+        mp = load_digits()
         r, slope = self._radius(p[2], self._terms(s))
         return (mp.sqrt(p[0] ** 2 + p[1] ** 2) - r) / mp.sqrt(1 + slope * slope)
 
     def normal(self, p: Vector, s: Vector) -> Vector:
         """Return the normal from the profile's slope."""
-        mp = load_mpmath()
+        mp = load_digits()
         _, slope = self._radius(p[2], self._terms(s))
         r, k = mp.sqrt(p[0] ** 2 + p[1] ** 2), mp.sqrt(1 + slope * slope)
         return [p[0] / (r * k), p[1] / (r * k), -slope / k]
@@ -179,7 +179,7 @@ class Paraboloid(Face):
 
     def roots(self, o: Vector, d: Vector, s: Vector) -> Roots:
         """Return the ends of the chord: R(z) − r is concave along a line."""
-        mp = load_mpmath()
+        mp = load_digits()
         terms = self._terms(s)
         span = self._span(o, d, terms)
         if span is None:
@@ -217,7 +217,7 @@ class Paraboloid(Face):
 
     def _span(self, o: Vector, d: Vector, terms: Any) -> tuple[Any, Any] | None:
         """Return the part of a line that can meet the wall, a little more than its outline."""
-        mp = load_mpmath()
+        mp = load_digits()
         wide, length = terms[5], terms[6]
         room = min(length, wide * terms[0]) / 1000
         low, high = -mp.inf, mp.inf
@@ -250,7 +250,7 @@ class Paraboloid(Face):
                 break
             step = value / slope
             t -= step
-            if abs(step) <= abs(t - top) * load_mpmath().mpf(10) ** -52:
+            if abs(step) <= abs(t - top) * load_digits().mpf(10) ** -52:
                 break
         return t
 
@@ -268,16 +268,16 @@ def _rectangle(p: Vector, s: Vector) -> Vector:
 
 
 def _disk(p: Vector, s: Vector) -> Vector:
-    return [s[0] - load_mpmath().sqrt(p[0] ** 2 + p[1] ** 2)]
+    return [s[0] - load_digits().sqrt(p[0] ** 2 + p[1] ** 2)]
 
 
 def _annulus(p: Vector, s: Vector) -> Vector:
-    r = load_mpmath().sqrt(p[0] ** 2 + p[1] ** 2)
+    r = load_digits().sqrt(p[0] ** 2 + p[1] ** 2)
     return [s[0] - r, r - s[1]]
 
 
 def _zero(s: Vector) -> Any:
-    return load_mpmath().mpf(0)
+    return load_digits().mpf(0)
 
 
 def sizes_of(element: Element) -> Vector:
@@ -286,12 +286,12 @@ def sizes_of(element: Element) -> Vector:
     A cap is given by its aperture a and its centre's depth h = sqrt(R² − a²): at a hemisphere R
     and a would be ill-conditioned inputs, and what the kernels do is better than they allow.
     """
-    mpf = load_mpmath().mpf
+    mpf = load_digits().mpf
     return [mpf(x) for x in _sizes(element)]
 
 
 def _depth(radius: float, aperture: float) -> Any:
-    mp = load_mpmath()
+    mp = load_digits()
     return mp.sqrt(mp.mpf(radius) ** 2 - mp.mpf(aperture) ** 2)
 
 
@@ -321,7 +321,7 @@ def _sizes(element: Element) -> tuple[Any, ...]:
 def _cap(n: int, side: int) -> Ball:
     """Return the cap whose centre lies s[n] behind the rim's plane."""
     return Ball(
-        lambda s: load_mpmath().sqrt(s[0] ** 2 + s[n] ** 2),
+        lambda s: load_digits().sqrt(s[0] ** 2 + s[n] ** 2),
         lambda s: -side * s[n],
         lambda p, s: [side * p[2]],
     )
@@ -377,7 +377,7 @@ def faces_of(element: Element) -> list[Face]:
 
 def exact_frame(element: Element) -> list[Vector]:
     """Return the rows u, v, w in world coordinates."""
-    mp = load_mpmath()
+    mp = load_digits()
     rows = [[mp.mpf(x) for x in row] for row in frame(element.axis, (0.0, 0.0))]
     a, b = (mp.mpf(x) * mp.pi / 180 for x in element.tilt_deg)
     sa, ca, sb, cb = mp.sin(a), mp.cos(a), mp.sin(b), mp.cos(b)

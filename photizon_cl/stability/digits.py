@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import math
+from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
@@ -11,7 +13,7 @@ from photizon_cl.errors import RunError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["DIGITS", "UNIT", "Vector", "add", "dot", "load_mpmath", "norm", "scaled", "vector"]
+__all__ = ["DIGITS", "UNIT", "Vector", "add", "dot", "load_digits", "norm", "scaled", "vector"]
 
 DIGITS: Final = 60
 UNIT: Final = 2.0**-53
@@ -20,15 +22,36 @@ UNIT: Final = 2.0**-53
 Vector = list[Any]
 
 
+class _Mpfr:
+    """The part of mpmath that is made use of, by gmpy2's MPFR: ten times as fast."""
+
+    def __init__(self, gmpy2: Any) -> None:
+        self._gmpy2 = gmpy2
+        self.mpf = gmpy2.mpfr
+        self.sqrt, self.sin, self.cos, self.asin = gmpy2.sqrt, gmpy2.sin, gmpy2.cos, gmpy2.asin
+        self.inf = gmpy2.inf()
+
+    @property
+    def pi(self) -> Any:
+        return self._gmpy2.const_pi()
+
+    def workdps(self, digits: int) -> Any:
+        """Return a context in which numbers have so many digits, as mpmath counts them."""
+        bits = round((digits + 1) * math.log2(10.0))
+        return self._gmpy2.context(self._gmpy2.get_context(), precision=bits)
+
+
 @cache
-def load_mpmath() -> Any:
-    """Return the module mpmath.
+def load_digits() -> Any:
+    """Return what computes with many digits: gmpy2 where it is installed, else mpmath.
 
     Raises
     ------
     RunError
-        Where it is not installed.
+        Where neither is installed.
     """
+    with suppress(ImportError):
+        return _Mpfr(importlib.import_module("gmpy2"))
     try:
         return importlib.import_module("mpmath")
     except ImportError:
@@ -40,7 +63,7 @@ def load_mpmath() -> Any:
 
 def vector(values: Iterable[float]) -> Vector:
     """Return doubles as many-digit numbers, exactly."""
-    mpf = load_mpmath().mpf
+    mpf = load_digits().mpf
     return [mpf(float(x)) for x in values]
 
 
@@ -51,7 +74,7 @@ def dot(a: Vector, b: Vector) -> Any:
 
 def norm(a: Vector) -> Any:
     """Return |a|."""
-    return load_mpmath().sqrt(dot(a, a))
+    return load_digits().sqrt(dot(a, a))
 
 
 def add(a: Vector, k: Any, b: Vector) -> Vector:

@@ -17,7 +17,7 @@ from photizon_cl.stability.digits import (
     UNIT,
     Vector,
     add,
-    load_mpmath,
+    load_digits,
     norm,
     scaled,
     vector,
@@ -79,10 +79,10 @@ def fresnel_cases() -> Iterator[FresnelCase]:
         ]
         cosines += [(f"grazing {c:g}", c) for c in (1e-3, 1e-6, 1e-9, 1e-12, 1e-15)]
         if first > second:
-            with load_mpmath().workdps(DIGITS):
+            with load_digits().workdps(DIGITS):
                 for off in (0.0, 1e-15, -1e-15, 1e-12, -1e-12, 1e-6, -1e-6):
-                    angle = load_mpmath().asin(load_mpmath().mpf(second) / first) * (1 + off)
-                    cosines.append((f"critical angle {off:+g}", float(load_mpmath().cos(angle))))
+                    angle = load_digits().asin(load_digits().mpf(second) / first) * (1 + off)
+                    cosines.append((f"critical angle {off:+g}", float(load_digits().cos(angle))))
         for name, cosine in cosines:
             for from_outside in (True, False):
                 phi = r.uniform(0, 2 * math.pi)
@@ -100,7 +100,7 @@ def _exact(x: Vector) -> tuple[Any, Any, Any, Vector, Vector]:
 
     x holds the indices before and behind, and the direction.
     """
-    mp = load_mpmath()
+    mp = load_digits()
     n1, n2 = x[0], x[1]
     d = scaled(1 / norm(x[2:5]), x[2:5])
     cosine = abs(d[2])
@@ -118,7 +118,7 @@ def _exact(x: Vector) -> tuple[Any, Any, Any, Vector, Vector]:
 
 
 def _compare(case: FresnelCase, outcome: dict[str, Any]) -> Measured:
-    mp = load_mpmath()
+    mp = load_digits()
     pair = (case.outside, case.inside) if case.direction[2] < 0 else (case.inside, case.outside)
     x = [*vector(pair), *vector(case.direction)]
     square, r, t, reflected, refracted = _exact(x)
@@ -202,6 +202,6 @@ def measure_fresnel(
                 else along,
                 "transmitted": along if through else None,
             }
-            with load_mpmath().workdps(DIGITS):
+            with load_digits().workdps(DIGITS):
                 found.append(_compare(case, outcome))
     return found

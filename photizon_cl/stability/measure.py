@@ -13,7 +13,7 @@ from photizon_cl.compile.packing import code_of
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
-from photizon_cl.stability.digits import DIGITS, UNIT, add, load_mpmath, norm, vector
+from photizon_cl.stability.digits import DIGITS, UNIT, add, load_digits, norm, vector
 from photizon_cl.stability.oracle import FIRM, judge
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def measure(device: OpenDevice, cases: Iterable[Case], lanes: int = 1) -> list[M
 
 
 def _compare(case: Case, hit: NDArray[np.float64], element: int, face: int) -> Measured:
-    mp = load_mpmath()
+    mp = load_digits()
     with mp.workdps(DIGITS):
         verdict = judge(case)
         if element < 0:
@@ -142,7 +142,7 @@ def _named(candidates: list[Candidate]) -> str:
 
 
 def _errors(best: Candidate, hit: NDArray[np.float64]) -> tuple[dict[str, float], float]:
-    mpf = load_mpmath().mpf
+    mpf = load_digits().mpf
 
     def ulps(error: Any, k: Any) -> float:
         return float(error / (UNIT * k)) if k else float(error > 0)

@@ -23,7 +23,7 @@ from photizon_cl.scene.elements.cylinder import Cylinder
 from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.stability.bodies import Face, exact_frame, faces_of, sizes_of
-from photizon_cl.stability.digits import UNIT, Vector, add, dot, load_mpmath, norm, scaled, vector
+from photizon_cl.stability.digits import UNIT, Vector, add, dot, load_digits, norm, scaled, vector
 
 if TYPE_CHECKING:
     from photizon_cl.scene.elements import Element
@@ -84,7 +84,7 @@ class _Posed:
 
     def __init__(self, case: Case, number: int) -> None:
         element: Element = case.elements[number]
-        mpf = load_mpmath().mpf
+        mpf = load_digits().mpf
         self.number, self.faces, self.rows = number, faces_of(element), exact_frame(element)
         tilted = element.tilt_deg != (0.0, 0.0)
         sizes = sizes_of(element)
@@ -107,7 +107,7 @@ class _Posed:
 
     def moved(self, i: int) -> tuple[Vector, Any]:
         """Return the inputs with one moved, and by how much."""
-        mpf = load_mpmath().mpf
+        mpf = load_digits().mpf
         step = mpf(self.scales[i]) * mpf(_STEP)
         x = list(self.x)
         x[i] = x[i] + step
@@ -146,7 +146,7 @@ class _Posed:
     def sensitivity(self, face: Face, t: Any) -> Any:
         """Return K of the face's function at a fixed distance."""
         here = self.value(face, self.x, t)
-        total = load_mpmath().mpf(0)
+        total = load_digits().mpf(0)
         for i, scale in enumerate(self.scales):
             if scale:
                 x, step = self.moved(i)
@@ -156,7 +156,7 @@ class _Posed:
 
 def _candidate(posed: _Posed, index: int, t: Any) -> tuple[Candidate, list[tuple[Any, Any]]]:
     """Return a root with its conditions, and each margin with its K."""
-    mp = load_mpmath()
+    mp = load_digits()
     face = posed.faces[index]
     point, normal, margins = posed.outputs(face, posed.x, t)
     tiny = mp.mpf(_STEP) * (abs(t) + max(map(abs, posed.scales[:3])) + posed.scales[12])
@@ -216,7 +216,7 @@ def _roots(case: Case, posed: _Posed, index: int) -> list[tuple[Any, bool, bool]
 
 def judge(case: Case) -> Verdict:
     """Return the answers that are right for a case."""
-    mp = load_mpmath()
+    mp = load_digits()
     everything: list[Candidate] = []
     for number, element in enumerate(case.elements):
         own = case.left is not None and case.left.element == number

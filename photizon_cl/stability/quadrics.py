@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from photizon_cl.scene.elements.cone import Cone
 from photizon_cl.scene.elements.conic import Conic
 from photizon_cl.scene.elements.cylinder import Cylinder
-from photizon_cl.stability.digits import Vector, dot, load_mpmath
+from photizon_cl.stability.digits import Vector, dot, load_digits
 
 if TYPE_CHECKING:
     from photizon_cl.scene.elements import Element
@@ -54,7 +54,7 @@ class Quadric:
 
     def _gradient(self, p: Vector, s: Vector) -> tuple[Any, Any]:
         """Return x² + y² − P and half the length of its gradient."""
-        mp = load_mpmath()
+        mp = load_digits()
         a, b, c = self._profile(s)
         f = p[0] ** 2 + p[1] ** 2 - (a + b * p[2] + c * p[2] ** 2)
         return f, mp.sqrt(p[0] ** 2 + p[1] ** 2 + (b / 2 + c * p[2]) ** 2)
@@ -64,7 +64,7 @@ class Quadric:
         if isinstance(self.element, Conic):
             f, g = self._gradient(p, s)
             return f / (2 * (g or s[0]))
-        mp = load_mpmath()
+        mp = load_digits()
         k = (s[1] - s[0]) / s[2] if isinstance(self.element, Cone) else 0
         r = mp.sqrt(p[0] ** 2 + p[1] ** 2)
         return (r - abs(s[0] + k * p[2])) / mp.sqrt(1 + k * k)
@@ -75,12 +75,12 @@ class Quadric:
         sign = -1 if self.element.plus_side == "inside" else 1
         _, g = self._gradient(p, s)
         if not g:  # an apex
-            return [load_mpmath().mpf(x) for x in (1, 0, 0)]
+            return [load_digits().mpf(x) for x in (1, 0, 0)]
         return [sign * x / g for x in (p[0], p[1], -(b / 2 + c * p[2]))]
 
     def margins(self, p: Vector, s: Vector) -> Vector:
         """Return lengths that are all at least zero between the rims."""
-        mp = load_mpmath()
+        mp = load_digits()
         if not isinstance(self.element, Conic):
             return [p[2], s[-1] - p[2]]
         r = mp.sqrt(p[0] ** 2 + p[1] ** 2)
@@ -101,7 +101,7 @@ class Quadric:
 
     def line(self, o: Vector, d: Vector, s: Vector) -> tuple[list[Any], Any]:
         """Return where a line meets it, ascending, and where it is deepest, or None."""
-        mp = load_mpmath()
+        mp = load_digits()
         a0, b0, c0 = self._profile(s)
         a = d[0] ** 2 + d[1] ** 2 - c0 * d[2] ** 2
         b = o[0] * d[0] + o[1] * d[1] - (b0 / 2 + c0 * o[2]) * d[2]

@@ -78,6 +78,21 @@ def same(
 
 every_scene = pytest.mark.parametrize("name", SCENES)
 
+
+def wholly(name: str, *values: Any, rest: tuple[Any, ...] = ()) -> list[Any]:
+    """Return pairs of every scene and value; those are slow which are of another scene than `name`.
+
+    Each pair makes a program. What has code of its own at a width is in the named scene, and of the
+    others the values in `rest` are left in.
+    """
+    pairs = [(scene, value) for scene in SCENES for value in values]
+    slow = [not (pair[0] == name or pair[1] in rest) for pair in pairs]
+    return [
+        pytest.param(*pair, marks=pytest.mark.slow if is_slow else ())
+        for pair, is_slow in zip(pairs, slow, strict=True)
+    ]
+
+
 # one run for each value of each choice; lanes 4 and 16 share these rows between them
 CHOICES: dict[str, dict[str, Any]] = {
     "K = 1": {"max_bounces": 1, "batches": 3},
@@ -102,22 +117,19 @@ def test_choices_at_4_lanes(name: str, choice: str) -> None:
     same(name, **CHOICES[choice])
 
 
-@every_scene
-@pytest.mark.parametrize("lanes", [1, 2, 8, 16])
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 2, 8, 16, rest=(1, 8)))
 def test_lane_widths(name: str, lanes: int) -> None:
     same(name, lanes=lanes, refill=max(lanes // 4, 1), batches=3 if lanes == 1 else BATCHES)
 
 
-@every_scene
-@pytest.mark.parametrize("lanes", [1, 16])
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 16, rest=(1,)))
 def test_widest_and_scalar_with_other_choices(name: str, lanes: int) -> None:
     """K = 3 and stacks that grow at the widths with packets of their own kind."""
     plan = {"max_bounces": 3, "stack_rays": 1, "items": 7, "tally_parts": 1}
     same(name, lanes=lanes, refill=3, batches=2, **plan)
 
 
-@every_scene
-@pytest.mark.parametrize("lanes", [1, 4, 16])
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 4, 16, rest=(4,)))
 def test_classical_wavefront(name: str, lanes: int) -> None:
     same(name, composition="classical", lanes=lanes, batches=3)
 
@@ -147,9 +159,8 @@ def test_one_and_two_threads(name: str) -> None:
         same(name, device=open_device("", units), tally_copies=units, wave_rays=1 << 20)
 
 
-@every_scene
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 8))
 @pytest.mark.parametrize("origin", ["debian", "pypi"])
-@pytest.mark.parametrize("lanes", [1, 8])
 def test_both_pocls(name: str, origin: str, lanes: int) -> None:
     same(name, device=open_device(origin), lanes=lanes, refill=1, batches=3)
 
@@ -235,8 +246,8 @@ def test_registers_and_atomics_keep_the_same_ledger(n: int) -> None:
 FORCED = ("tilt", "roulette", "splitting", "shares", "contact", "acceleration")
 
 
-@every_scene
-@pytest.mark.parametrize("effect", FORCED)
+# the scene of everything, and each effect on the box room: tests/structure/test_contract_effects.py
+@pytest.mark.parametrize(("name", "effect"), wholly("ghost-ladder", *FORCED))
 def test_forcing_an_effect_changes_no_bit(name: str, effect: str) -> None:
     tables = everything() if name == "everything" else name
     made = compiled(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -69,19 +70,33 @@ def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert "nonsense" in capsys.readouterr().err
 
 
-def test_without_mpmath_it_says_what_to_install(tmp_path: Path) -> None:
-    (tmp_path / "mpmath.py").write_text("raise ImportError('absent')\n")
-    root = str(Path(__file__).resolve().parents[2])
-    path = os.pathsep.join((str(tmp_path), root))
-    done = subprocess.run(
-        [sys.executable, "-m", "photizon_cl.stability"],
+def command(tmp_path: Path, *absent: str, family: str) -> subprocess.CompletedProcess[str]:
+    """Run the command where some modules are not installed."""
+    for name in absent:
+        (tmp_path / f"{name}.py").write_text("raise ImportError('absent')\n")
+    path = os.pathsep.join((str(tmp_path), str(Path(__file__).resolve().parents[2])))
+    return subprocess.run(
+        [sys.executable, "-m", "photizon_cl.stability", "--family", family],
         env={**os.environ, "PYTHONPATH": path},
         capture_output=True,
         text=True,
         check=False,
     )
+
+
+def test_without_many_digits_it_says_what_to_install(tmp_path: Path) -> None:
+    done = command(tmp_path, "mpmath", "gmpy2", family="fresnel")
     assert done.returncode == 1
     assert "pip install mpmath" in done.stderr
+
+
+@pytest.mark.parametrize("family", ["fresnel", "shared rims"])
+def test_both_libraries_of_many_digits_measure_the_same(tmp_path: Path, family: str) -> None:
+    found = [command(tmp_path, *absent, family=family) for absent in ((), ("gmpy2",))]
+    assert [done.returncode for done in found] == [0, 0]
+    tables = [re.sub(r"\d+\.\d+ s", "", done.stdout) for done in found]
+    assert family in tables[0]
+    assert tables[0] == tables[1]
 
 
 @pytest.mark.parametrize("family", ["cpc, rims", "tube, corners", "lens, rim", "lens, inside"])

@@ -26,6 +26,8 @@ from hostcode.program import build
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
+    from _pytest.mark.structures import ParameterSet
+
 
 @dataclass(frozen=True)
 class Mutant:
@@ -479,7 +481,16 @@ def passes_when_healthy(gate: Callable[[], object]) -> None:
     gate()
 
 
-@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda m: m.name)
+def _first_of_each_gate() -> Iterator[ParameterSet]:
+    """Give the mutants; those are slow whose gate has caught another one already."""
+    seen: set[object] = set()
+    for mutant in MUTANTS:
+        marks = [pytest.mark.slow] if mutant.gate in seen else []
+        seen.add(mutant.gate)
+        yield pytest.param(mutant, id=mutant.name, marks=marks)
+
+
+@pytest.mark.parametrize("mutant", _first_of_each_gate())
 def test_gate_catches(mutant: Mutant, engine: Callable[[Mutant], None]) -> None:
     """By the gate itself, or before it by the host; a mutant that is no program is no mutant."""
     passes_when_healthy(mutant.gate)

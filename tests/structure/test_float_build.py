@@ -37,8 +37,9 @@ from photizon_docs.examples import example
 LANES = (1, 4)
 CASES = (("scan", ()), ("scan", ("contact",)), ("tree", ("contact",)))
 """How faces are sought, and what is forced on."""
-BRIEFLY = ((CASES[1], 1), (CASES[2], 1))
-"""Those that are built unless slow tests are asked for; the presets are at either width."""
+BRIEFLY = ((CASES[2], 1),)
+"""Those that are built unless slow tests are asked for; the presets and a scene of everything are
+searched face by face."""
 
 
 @cache
@@ -68,7 +69,7 @@ def build_silently(device: OpenDevice, spec: ProgramSpec, lanes: int, *stages: s
         assert log.strip() == ""
 
 
-@pytest.mark.parametrize("lanes", LANES)
+@pytest.mark.parametrize("lanes", [pytest.param(1, marks=pytest.mark.slow), 4])
 @pytest.mark.parametrize("preset", preset_names())
 def test_presets(device: OpenDevice, preset: str, lanes: int) -> None:
     build_silently(device, compiled(preset).tables.spec, lanes, "wave")
@@ -91,7 +92,9 @@ def test_every_kind(device: OpenDevice, search: str, forced: tuple[str, ...], la
     build_silently(device, spec, lanes, "probe", *(("follow", "paths") if lanes == 1 else ()))
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 8, 16])
+@pytest.mark.parametrize(
+    "lanes", [1, 8, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 16))]
+)
 def test_a_scene_of_everything(device: OpenDevice, lanes: int) -> None:
     one = ("whole_path",) if lanes == 1 else ()
     build_silently(device, compiled(load(everything())).tables.spec, lanes, "wave", *one)
