@@ -90,7 +90,7 @@ def test_without_many_digits_it_says_what_to_install(tmp_path: Path) -> None:
     assert "pip install mpmath" in done.stderr
 
 
-@pytest.mark.parametrize("family", ["fresnel", "shared rims"])
+@pytest.mark.parametrize("family", ["fresnel", "sphere, chord"])
 def test_both_libraries_of_many_digits_measure_the_same(tmp_path: Path, family: str) -> None:
     found = [command(tmp_path, *absent, family=family) for absent in ((), ("gmpy2",))]
     assert [done.returncode for done in found] == [0, 0]

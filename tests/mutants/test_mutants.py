@@ -490,7 +490,7 @@ def _first_of_each_gate() -> Iterator[ParameterSet]:
         yield pytest.param(mutant, id=mutant.name, marks=marks)
 
 
-@pytest.mark.parametrize("mutant", _first_of_each_gate())
+@pytest.mark.parametrize("mutant", list(_first_of_each_gate()))
 def test_gate_catches(mutant: Mutant, engine: Callable[[Mutant], None]) -> None:
     """By the gate itself, or before it by the host; a mutant that is no program is no mutant."""
     passes_when_healthy(mutant.gate)
