@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.faces import Plane, Revolved
+from photizon_cl.scene.faces import Ball, Plane, Revolved
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -28,8 +28,9 @@ __all__ = ["coarse", "relative_error", "spacing"]
 _NOTED: Final = 1e-6
 """Relative error that is worth a word: no run sees less, since a standard error of as much takes
 about 10^12 rays; a run of an hour on a fast device reaches 10^-5."""
-_EDGES: Final = 8.0
-"""Roundings (2^-53 of the farthest coordinate) by which an edge may stand off, a tilted one's."""
+_EDGES: Final = 10.0
+"""Roundings (2^-53 of the farthest coordinate) by which an edge may stand off: a tilted one stands
+off by 8, and where a ray meets it is rounded as well."""
 _NAMED: Final = 20
 """So many elements are named; of the others only how many there are."""
 _CLOSED: Final = 2.0**-40
@@ -55,8 +56,8 @@ def _element(element: Element) -> str | None:
     if error <= _NOTED:
         return None
     return (
-        f'element "{element.name}" is small beside its distance from the origin: '
-        f"{_where(size, element.position)}. Its area or its openings may come out wrong by "
+        f'element "{element.name}" is small beside its distance from the origin, or an opening in '
+        f"it is: {_where(size, element.position)}. Its area or its openings may come out wrong by "
         f"{f'{error:.1e} of what they are' if error < 1.0 else 'more than they are'}, and normals "
         f"of curved faces by as much; {_REMEDY}"
     )
@@ -91,23 +92,26 @@ def spacing(position: Iterable[float]) -> float:
 def relative_error(element: Element) -> tuple[float, float]:
     """Return by how much an element's areas may be wrong because of where it stands, and its size.
 
-    An edge stands off by at most δ = 8·2^-53·max(|x|, |y|, |z|) of the position. A face of half
-    size s changes its area by 2δ/s to first order: faces count by their areas, so that a narrow one
-    of little area is no fault, and openings each by its own, since light goes through them.
+    An edge stands off by at most δ = 10·2^-53·max(|x|, |y|, |z|) of the position. A face of half
+    sizes s and t changes its area by δ/s + δ/t to first order: faces count by their areas, so that
+    a narrow one of little area is no fault, and openings each by its own, since light goes through
+    them. The rim of an opening in a ball is where a plane cuts it, at the angle θ: it moves aside
+    by δ/sin θ.
 
     Returns
     -------
     error : float
         Relative, of an area; not negative.
     size : float
-        Twice the half size in metres that is worst carried, 0 for an element without area.
+        What is worst carried, in metres from edge to edge; 0 for an element without area.
     """
     edge = _EDGES * 2.0**-53 * max(map(abs, element.position))
     faces, openings = [], []
     for face in element.faces:
         sizes, through = _extents(face)
         faces.append(sizes)
-        openings += through
+        cut = face.radius if isinstance(face, Ball) and element.opening else 0.0
+        openings += [(edge / half * (2.0 * max(cut / half, 1.0)), half) for half in through]
     largest = max((size for size, _ in faces), default=0.0)
     if not largest > 0.0:
         return 0.0, 0.0
@@ -119,10 +123,10 @@ def relative_error(element: Element) -> tuple[float, float]:
     # a face of no width has no area either: what its edges add counts all the same
     added = math.fsum(edge / largest * (size / largest + width / largest) for size, width in faces)
     whole = added / total
-    worst = max(((2.0 * edge / half, half) for half in openings), default=(0.0, 0.0))
+    worst = max(openings, default=(0.0, 0.0))
     if worst[0] > whole:
         return worst[0], 2.0 * worst[1]
-    narrowest = min(min(sizes) for sizes, area in zip(faces, areas, strict=True) if area > 0.0)
+    narrowest = min(width for (_, width), area in zip(faces, areas, strict=True) if area > 0.0)
     return whole, 2.0 * narrowest
 
 
