@@ -21,12 +21,17 @@ NEGLIGIBLE: Final = 1e-6
 """Part of the emitted power in the depth-capped row that is worth no word."""
 _MOST: Final = 2**20 - 1
 """The largest generation cap that a scene may have."""
+_MOST_RAYS: Final = 2**24
+_LONGEST: Final = 4096
+"""Characters of a pilot's text; it has a few hundred."""
 _COUNTED: Final = 8.0
 """Rays that a decay is measured by, where there are so many: one that is lost by whole rays is
 known to a third then."""
 _STEADY: Final = 0.01
 """Part of the power under way that is lost while the cap doubles, below which it is not decaying in
 any way that a cap could use."""
+_LONG: Final = 1e8
+"""Interactions of a batch that take many seconds on a few cores."""
 _UNSEEN: Final = 3.0
 """Events of which none is seen with a probability of 5 %."""
 
@@ -74,11 +79,6 @@ class Pilot:
         return 1.0 - after / before if before > 0.0 else 1.0
 
     @property
-    def decays(self) -> bool:
-        """Whether some cap may leave little: what is under way falls as the cap rises."""
-        return self.needed_cap is not None
-
-    @property
     def needed_cap(self) -> int | None:
         """Cap that leaves about `NEGLIGIBLE`, to two digits; None where no cap seems to.
 
@@ -99,37 +99,48 @@ class Pilot:
             found = max(found, _crossing(points[-1], beyond))
         return _rounded_up(found) if found <= _MOST else None
 
-    def advice(self, measured: float | None = None) -> str:
-        """Return a sentence on what the cap cuts, empty where that is not worth a word.
+    def __str__(self) -> str:
+        more = "" if self.complete else "more than "
+        parts = [f"{self.rays} rays", f"{more}{self.interactions:.3g} interactions a ray"]
+        if self.missed > 0.0:
+            parts.append(f"{_percent(self.missed)} of the power escapes without one")
+        if self.complete and self.capped > 0.0:
+            parts.append(f"{_percent(self.capped)} is left at the cap of {self.cap}")
+        return ", ".join(parts)
+
+    def before(self, rays_per_batch: int) -> str:
+        """Return a sentence for before a run, empty where nothing is worth a word.
 
         Parameters
         ----------
-        measured : float, optional
-            That part of the emitted power as a run found it; default as the pilot found it.
+        rays_per_batch : int
+            Of that run.
         """
-        part = self.capped if measured is None else measured
-        if measured is None and not self.complete:
+        batch = self.interactions * rays_per_batch
+        if not self.complete and batch > _LONG:
             return (
-                f"{self.rays} rays of a pilot made over {self.interactions:.3g} interactions each "
-                f"and had not ended at the generation cap of {self.cap}: a batch of many rays will "
-                "take long; raise roulette_floor (1e-6, say) or lower generation_cap"
+                f"{self.rays} rays of a pilot made {self.interactions:.3g} interactions each and "
+                f"had not ended at the generation cap of {self.cap}: a batch of {rays_per_batch} "
+                f"makes more than {batch:.1g}; raise roulette_floor (1e-6, say), or lower "
+                "generation_cap or rays_per_batch"
             )
-        if part <= NEGLIGIBLE:
+        if self.capped <= NEGLIGIBLE:
             return ""
-        who = f"by a pilot of {self.rays} rays, about " if measured is None else ""
-        goes = "would go" if measured is None else "went"
-        told = (
-            f"{who}{_percent(part)} of the emitted power is still under way at the generation cap "
-            f"of {self.cap} and {goes} to the depth-capped row; "
+        return (
+            f"by a pilot of {self.rays} rays, about {_percent(self.capped)} of the emitted power "
+            f"will still be under way at the generation cap of {self.cap} and go to the "
+            f"depth-capped row; {self.remedy()}"
         )
+
+    def remedy(self) -> str:
+        """Return what to do about power in the depth-capped row."""
         if not self.complete or self.capped <= NEGLIGIBLE:
-            return told + "raise generation_cap"
-        needed = self.needed_cap
-        if needed is not None:
-            by = "" if needed <= self.left[-1][0] else ", by the decay up to a cap of "
-            by += f"{self.left[-1][0]}" if by else ""
-            return told + f"a generation_cap of about {needed} leaves 1e-6 of it{by}"
-        return told + self._held()
+            return "raise generation_cap"
+        needed, last = self.needed_cap, self.left[-1][0]
+        if needed is None:
+            return self._held()
+        by = "" if needed <= last else f", by the decay up to a cap of {last}"
+        return f"raise generation_cap to about {needed}, which leaves about 1e-6{by}"
 
     def _held(self) -> str:
         """Say what is known of light of which little or nothing is lost any more."""
@@ -139,16 +150,16 @@ class Pilot:
             # that each had this chance of being lost, and none was, has a probability of 5 %
             most = _UNSEEN / (left * self.rays * (cap - start))
             return (
-                f"of that nothing is lost from {start} to {cap} interactions. It is trapped, by "
-                "total reflection or by faces that take nothing, or it loses less than "
-                f"{most:.0e} of its power an interaction: raising the cap does not help; let "
-                "something absorb it or open a way out"
+                f"at a cap of {cap} {self.rays} rays of a pilot have {_percent(left)} left, and "
+                f"nothing of that is lost from {start} interactions on. It is trapped, by total reflection or by faces that "
+                f"take nothing, or it loses less than {most:.0e} of its power an interaction: a "
+                "higher cap does not help; let something absorb it or open a way out"
             )
         return (
-            f"at a cap of {cap} there are still {_percent(left)}, and the last doubling of the cap "
-            f"took {_percent(self.lost)} of that. Either most of it is trapped, by total "
-            "reflection or by faces that take nothing, or it decays so slowly that it would take a "
-            f"cap above {_most_wanted(self.left)}: raising the cap hardly helps; let something "
+            f"at a cap of {cap} {self.rays} rays of a pilot have {_percent(left)} left, and the "
+            f"last doubling of the cap took {_percent(self.lost)} of it. Either most of it is trapped, by total reflection "
+            "or by faces that take nothing, or it decays so slowly that it would take a cap of "
+            f"about {_crossing(*self.left[-2:]):.0e}: a higher cap hardly helps; let something "
             "absorb it or open a way out"
         )
 
@@ -159,7 +170,7 @@ class Pilot:
         return json.dumps(astuple(self), allow_nan=False)
 
     @classmethod
-    def read(cls, text: str) -> Self:
+    def read(cls, text: object) -> Self:
         """Return what `text` wrote.
 
         Raises
@@ -167,26 +178,34 @@ class Pilot:
         ValueError
             Where it is none, or a number in it cannot be.
         """
+        if not isinstance(text, str) or len(text) > _LONGEST:
+            raise ValueError("its pilot is no line of text")
         try:
             rays, cap, interactions, missed, left, complete = json.loads(text)
-            left = tuple((int(m), float(part)) for m, part in left)
-            made = cls(int(rays), int(cap), float(interactions), float(missed), left, bool(complete))
-        except (TypeError, OverflowError) as error:
+            points = tuple((_whole(m), float(part)) for m, part in left)
+            made = cls(
+                _whole(rays), _whole(cap), float(interactions), float(missed), points,
+                complete is True,
+            )  # fmt: skip
+        except (TypeError, OverflowError, RecursionError) as error:
             raise ValueError(f"its pilot is none: {error}") from None
-        caps = [m for m, _ in left]
-        parts = [made.missed, *(part for _, part in left)]
+        caps = [m for m, _ in points]
         fits = (
-            1 <= made.rays <= 2**24
-            and 1 <= made.cap <= _MOST
+            1 <= made.rays <= _MOST_RAYS
             and 0.0 <= made.interactions < math.inf
-            and all(0.0 <= part <= 2.0 for part in parts)
+            and all(0.0 <= part <= 1.0 for part in (made.missed, *(part for _, part in points)))
             and caps == sorted(set(caps))
-            and len(caps) <= 64
-            and all(1 <= m <= _MOST for m in caps)
+            and all(1 <= m <= _MOST for m in (made.cap, *caps))
         )
         if not fits:
             raise ValueError("its pilot has numbers that cannot be")
         return made
+
+
+def _whole(value: object) -> int:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value
+    raise TypeError("a number in it is not whole")
 
 
 def _crossing(one: tuple[int, float], other: tuple[int, float]) -> float:
@@ -195,12 +214,6 @@ def _crossing(one: tuple[int, float], other: tuple[int, float]) -> float:
     if slope <= 0.0:
         return math.inf
     return other[0] + math.log(other[1] / NEGLIGIBLE) / slope
-
-
-def _most_wanted(left: tuple[tuple[int, float], ...]) -> str:
-    """Return the cap that the last slope asks for, as text."""
-    wanted = _crossing(*left[-2:])
-    return f"{wanted:.0e}" if wanted < math.inf else "any"
 
 
 def _rounded_up(value: float) -> int:

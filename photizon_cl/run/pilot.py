@@ -13,6 +13,7 @@ from hostcode.program.plan import default_plan
 from hostcode.run.tally import exact
 from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.errors import RunError
 from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
 from photizon_cl.run.distribution import device_failures, open_chosen
 from photizon_cl.scene.settings import MAX_GENERATION_CAP, FarField
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from hostcode.device.device import DeviceRecord
     from hostcode.program.plan import ExecutionPlan
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene
 
 __all__ = ["pilot"]
@@ -86,6 +88,30 @@ def pilot(
     except Abandoned:
         interactions = interactions or flight.made / rays
     return Pilot(rays, cap, interactions, missed, tuple(left), complete)
+
+
+def pilot_of_capped(
+    compiled: CompiledScene,
+    tally: Accumulator,
+    device: DeviceRecord | str | None,
+    plan: ExecutionPlan | None,
+    stop: Callable[[], bool],
+) -> Pilot | None:
+    """Trace a pilot where a run's rays reached the generation cap, to tell what can be done.
+
+    None where they did not, where the run was asked to end, or where the pilot fails: the run's
+    outcome stands without it.
+    """
+    if not tally.batches or stop():
+        return None
+    emitted = compiled.emitted * tally.batches
+    if tally.exact(compiled.layout.depth_capped) <= NEGLIGIBLE * emitted:
+        return None
+    try:
+        found = pilot(compiled.scene, device, plan, stop=stop)
+    except RunError:
+        return None
+    return found if found.complete else None
 
 
 class _Flight:
