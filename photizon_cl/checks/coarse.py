@@ -58,7 +58,7 @@ def _element(element: Element) -> str | None:
     return (
         f'element "{element.name}" is small beside its distance from the origin, or an opening in '
         f"it is: {_where(size, element.position)}. Its area or its openings may come out wrong by "
-        f"{f'{error:.1e} of what they are' if error < 1.0 else 'more than they are'}, and normals "
+        f"up to {f'{error:.1e} of what they are' if error < 1.0 else 'all that they are'}, and normals "
         f"of curved faces by as much; {_REMEDY}"
     )
 
@@ -72,7 +72,7 @@ def _source(source: Source) -> str | None:
         return None
     return (
         f'source "{source.name}" is small beside its distance from the origin: '
-        f"{_where(size, source.position)}. That is the grid that its rays start on; {_REMEDY}"
+        f"{_where(2.0 * size, source.position)}. That is the grid that its rays start on; {_REMEDY}"
     )
 
 

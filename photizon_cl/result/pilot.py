@@ -187,7 +187,7 @@ class Pilot:
                 _whole(rays), _whole(cap), float(interactions), float(missed), points,
                 complete is True,
             )  # fmt: skip
-        except (TypeError, OverflowError, RecursionError) as error:
+        except (TypeError, ValueError, OverflowError, RecursionError) as error:
             raise ValueError(f"its pilot is none: {error}") from None
         caps = [m for m, _ in points]
         fits = (
@@ -217,7 +217,7 @@ def _crossing(one: tuple[int, float], other: tuple[int, float]) -> float:
 
 
 def _rounded_up(value: float) -> int:
-    step = 10 ** max(math.floor(math.log10(value)) - 1, 0)
+    step = int(10.0 ** max(math.floor(math.log10(value)) - 1, 0))
     return min(math.ceil(value / step) * step, _MOST)
 
 
