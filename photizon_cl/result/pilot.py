@@ -32,6 +32,7 @@ _STEADY: Final = 0.01
 any way that a cap could use."""
 _LONG: Final = 1e8
 """Interactions of a batch that take many seconds on a few cores."""
+_BY: Final = "by total reflection or by faces that take nothing"
 _UNSEEN: Final = 3.0
 """Events of which none is seen with a probability of 5 %."""
 
@@ -151,14 +152,14 @@ class Pilot:
             most = _UNSEEN / (left * self.rays * (cap - start))
             return (
                 f"at a cap of {cap} {self.rays} rays of a pilot have {_percent(left)} left, and "
-                f"nothing of that is lost from {start} interactions on. It is trapped, by total reflection or by faces that "
-                f"take nothing, or it loses less than {most:.0e} of its power an interaction: a "
+                f"nothing of that is lost from {start} interactions on. It is trapped, {_BY}, or it "
+                f"loses less than {most:.0e} of its power an interaction: a "
                 "higher cap does not help; let something absorb it or open a way out"
             )
         return (
             f"at a cap of {cap} {self.rays} rays of a pilot have {_percent(left)} left, and the "
-            f"last doubling of the cap took {_percent(self.lost)} of it. Either most of it is trapped, by total reflection "
-            "or by faces that take nothing, or it decays so slowly that it would take a cap of "
+            f"last doubling of the cap took {_percent(self.lost)} of it. Either most of it is "
+            f"trapped, {_BY}, or it decays so slowly that it would take a cap of "
             f"about {_crossing(*self.left[-2:]):.0e}: a higher cap hardly helps; let something "
             "absorb it or open a way out"
         )

@@ -34,8 +34,9 @@ def cube(surface, half=0.01):
             at = [0.0, 0.0, 0.0]
             at[n] = sign * half
             found.append(
-                pz.Rectangle(name=f"face {word}{letter}", position=tuple(at), axis=f"{word}{letter}",
-                             half_width=half, half_height=half, surface=surface)
+                pz.Rectangle(name=f"face {word}{letter}", position=tuple(at),
+                             axis=f"{word}{letter}", half_width=half, half_height=half,
+                             surface=surface)
             )  # fmt: skip
     return found
 
