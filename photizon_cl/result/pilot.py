@@ -152,9 +152,9 @@ class Pilot:
             most = _UNSEEN / (left * self.rays * (cap - start))
             return (
                 f"at a cap of {cap} {self.rays} rays of a pilot have {_percent(left)} left, and "
-                f"nothing of that is lost from {start} interactions on. It is trapped, {_BY}, or it "
-                f"loses less than {most:.0e} of its power an interaction: a "
-                "higher cap does not help; let something absorb it or open a way out"
+                f"nothing of that is lost from {start} interactions on. It is trapped, {_BY}, or "
+                f"it loses less than {most:.0e} of its power an interaction: a higher cap does not "
+                "help; let something absorb it or open a way out"
             )
         return (
             f"at a cap of {cap} {self.rays} rays of a pilot have {_percent(left)} left, and the "
