@@ -55,7 +55,7 @@ def _element(element: Element) -> str | None:
     error, size = relative_error(element)
     if error <= _NOTED:
         return None
-    most = f"{error:.1e} of what they are" if error < 1.0 else "all that they are"
+    most = f"{error:.1e} of what they are" if error < 1.0 else "all of what they are, or more"
     return (
         f'element "{element.name}" is small beside its distance from the origin, or an opening in '
         f"it is: {_where(size, element.position)}. Its area or its openings may come out wrong by "
