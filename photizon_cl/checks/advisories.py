@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from photizon_cl.checks.coarse import coarse
 from photizon_cl.checks.coincident import coincident_faces
 from photizon_cl.scene.elements.base import OTHER_SIDE
 from photizon_cl.scene.faces import Ball
@@ -27,6 +28,7 @@ def advisories(scene: Scene) -> list[str]:
     found += _sources_on_faces(scene)
     found += _covered_elements(scene)
     found += _blind_detectors(scene)
+    found += coarse(scene)
     found += _capped_cavities(scene)
     found += _surfaces(scene)
     return found

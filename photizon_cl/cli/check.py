@@ -69,10 +69,27 @@ def _print(scene: Scene) -> None:
                 line(f"map: u is {u}, v is {v}, the axis {w}", "    ")
     out.print()
     found = advisories(scene)
+    text, more = _pilot(scene)
+    line(text, "")
+    found += more
+    out.print()
     out.print(Text(f"advisories: {len(found) or 'none'}", "bold"))
     for text in found:
         line(f"- {text}")
     out.print(f"{scene.digest()}", soft_wrap=True)
+
+
+def _pilot(scene: Scene) -> tuple[str, list[str]]:
+    """Return what a pilot found on one line, and what of that is worth a second look."""
+    from photizon_cl.errors import ArgumentError, RunError
+    from photizon_cl.run.pilot import pilot
+
+    try:
+        found = pilot(scene)
+    except (ArgumentError, RunError) as error:
+        return f"pilot: none was traced: {error}", []
+    advice = found.before(scene.run.rays_per_batch)
+    return f"pilot: {found}", [advice] if advice else []
 
 
 def _number(value: object) -> str:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.result.pilot import Pilot
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene
 
@@ -66,6 +67,8 @@ class RunInfo:
     stopped : str
         What ended the last call: ``target``, ``batches``, ``time``, ``interrupt`` or ``memory`` (no
         more rays could wait); empty while it goes on, and in results of earlier versions.
+    pilot : Pilot or None
+        What a pilot found, traced where power reached the generation cap; None where none was.
     """
 
     device: str = ""
@@ -77,6 +80,7 @@ class RunInfo:
     goal: Goal = field(default_factory=Goal)
     history: tuple[tuple[int, float, float | None], ...] = ()
     stopped: str = ""
+    pilot: Pilot | None = None
     version: str = __version__
     engine: str = field(default_factory=engine_digest)
 

@@ -130,6 +130,8 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
             ),
         },
     )
+    if info.pilot is not None:
+        made.attrs["pilot"] = info.pilot.text()
     # only where there are any: files of scenes without are what they always were
     labelled = result.compiled.layout.labelled
     if labelled:

@@ -18,6 +18,7 @@ from hostcode.run.tally import UNIT_EXPONENT
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER
 from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.ledger import CLOSURE_LIMIT
+from photizon_cl.result.pilot import Pilot
 from photizon_cl.result.stopping import Goal
 
 if TYPE_CHECKING:
@@ -167,6 +168,7 @@ def read_info(attrs: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> R
         worst_closure=integer(attrs["worst_closure"], "worst_closure", 2**126),
         goal=_goal(attrs),
         history=_history(arrays),
+        pilot=Pilot.read(attrs["pilot"]) if "pilot" in attrs else None,
     )
 
 

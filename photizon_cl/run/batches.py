@@ -24,6 +24,7 @@ from photizon_cl.result.stopping import Goal, History
 from photizon_cl.run.checkpoint import Keeper
 from photizon_cl.run.distribution import Local, Runner
 from photizon_cl.run.interruption import interruptible
+from photizon_cl.run.pilot import pilot_of_capped
 from photizon_cl.run.progress import Clock, Progress
 from photizon_cl.run.workers import Executed
 from photizon_cl.version import __version__
@@ -174,7 +175,7 @@ def _add_batches(
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
-    history = History(info.history, info.seconds)
+    history, pilot = History(info.history, info.seconds), info.pilot
 
     def so_far(stopped: str = "") -> RunInfo:
         return dataclasses.replace(
@@ -186,6 +187,7 @@ def _add_batches(
             worst_closure=worst,
             history=history.rows,
             stopped=stopped,
+            pilot=pilot,
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
@@ -215,6 +217,8 @@ def _add_batches(
             close = getattr(chunks, "close", None)
             if close is not None:
                 close()
+        if executor is None and pilot is None:
+            pilot = pilot_of_capped(compiled, tally, chosen, plan, interrupted)
     if not tally.batches:
         if interrupted():
             raise KeyboardInterrupt

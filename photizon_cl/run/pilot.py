@@ -1,0 +1,188 @@
+"""Tracing a few hundred rays of a scene, by the kernels of the trace, to see what will hurt."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from fractions import Fraction
+from typing import TYPE_CHECKING, Final
+
+from hostcode.device.device import preferred_lanes
+from hostcode.errors import Abandoned
+from hostcode.program.plan import default_plan
+from hostcode.run.tally import exact
+from hostcode.run.wavefront import Engine
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.errors import RunError
+from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
+from photizon_cl.run.distribution import device_failures, open_chosen
+from photizon_cl.scene.settings import MAX_GENERATION_CAP, FarField
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from hostcode.device.device import DeviceRecord
+    from hostcode.program.plan import ExecutionPlan
+    from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.result.statistics import Accumulator
+    from photizon_cl.scene.model import Scene
+
+__all__ = ["pilot"]
+
+_RAYS: Final = 512
+_SEED: Final = 0x70696C6F74
+"""A stream of its own: what a run draws is not touched."""
+_BUDGET: Final = 1 << 21
+"""Interactions that are made in all: a fraction of a second on two cores. A number, not a time, so
+that what is said does not depend on the machine."""
+_SECONDS: Final = 1.0
+"""Time at which a device that is far slower gives up all the same."""
+_STEPS: Final = 128
+"""Steps of a packet between two looks at the budget."""
+
+
+def pilot(
+    scene: Scene,
+    device: DeviceRecord | str | None = None,
+    plan: ExecutionPlan | None = None,
+    *,
+    stop: Callable[[], bool] = lambda: False,
+) -> Pilot:
+    """Trace a pilot.
+
+    The program is that of a trace of the scene, so that a run which follows need not build it.
+
+    Parameters
+    ----------
+    scene : Scene
+        With the generation cap that is asked about in its ``[run]``.
+    device : DeviceRecord or str, optional
+        As in `photizon_cl.trace`.
+    plan : ExecutionPlan, optional
+        How; changes nothing of what is found.
+    stop : callable, optional
+        Asked now and then: whether to give up.
+
+    Raises
+    ------
+    ArgumentError, RunError
+        Where there is no usable device, or it fails.
+    """
+    cap = scene.run.generation_cap
+    rays = max(_RAYS, len(scene.source))
+    settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
+    flight = _Flight(compile_scene(_without_bins(scene), settings), device, plan, stop)
+    left: list[tuple[int, float]] = []
+    missed = interactions = 0.0
+    complete = False
+    try:
+        missed = flight.follow(1)[1]
+        for m in [*([cap // 2] if cap > 1 else []), cap]:
+            left.append((m, flight.follow(m)[0]))
+        interactions, complete = flight.made / rays, True
+        while left[-1][1] > NEGLIGIBLE and 2 * flight.made <= flight.room:
+            m = min(2 * left[-1][0], MAX_GENERATION_CAP)
+            if m == left[-1][0]:
+                break
+            left.append((m, flight.follow(m)[0]))
+    except Abandoned:
+        interactions = interactions or flight.made / rays
+    return Pilot(rays, cap, interactions, missed, tuple(left), complete)
+
+
+def pilot_of_capped(
+    compiled: CompiledScene,
+    tally: Accumulator,
+    device: DeviceRecord | str | None,
+    plan: ExecutionPlan | None,
+    stop: Callable[[], bool],
+) -> Pilot | None:
+    """Trace a pilot where a run's rays reached the generation cap, to tell what can be done.
+
+    None where they did not, where the run was asked to end, or where the pilot fails: the run's
+    outcome stands without it.
+    """
+    if not tally.batches or stop():
+        return None
+    emitted = compiled.emitted * tally.batches
+    if tally.exact(compiled.layout.depth_capped) <= NEGLIGIBLE * emitted:
+        return None
+    try:
+        found = pilot(compiled.scene, device, plan, stop=stop)
+    except RunError:
+        return None
+    return found if found.complete else None
+
+
+class _Flight:
+    """The rays of a pilot, followed from the start to one cap after another.
+
+    Parameters
+    ----------
+    compiled : CompiledScene
+        The scene with the pilot's settings.
+    device, plan, stop
+        As `pilot` takes them.
+    """
+
+    def __init__(
+        self,
+        compiled: CompiledScene,
+        device: DeviceRecord | str | None,
+        plan: ExecutionPlan | None,
+        stop: Callable[[], bool],
+    ) -> None:
+        self.compiled = compiled
+        self.opened = open_chosen(device)
+        if plan is None:
+            lanes = preferred_lanes(self.opened.record, compiled.tables.spec.effects)
+            plan = default_plan(self.opened.record, lanes)
+        self.plan = plan.with_(
+            wave_rays=compiled.settings.rays_per_batch, max_bounces=min(_STEPS, plan.max_bounces)
+        )
+        self.stop = stop
+        self.room = _BUDGET
+        self.made = 0
+        """Interactions to the last cap."""
+        self.ends: float | None = None
+
+    def follow(self, cap: int) -> tuple[float, float]:
+        """Return which parts of the power are under way at a cap, and have escaped.
+
+        Raises
+        ------
+        Abandoned
+            Where the budget is spent on the way.
+        """
+        tables, layout = self.compiled.tables, self.compiled.layout
+        tables = dataclasses.replace(tables, launch={**tables.launch, "generation_cap": cap})
+        with device_failures(self.opened.record.label):
+            engine = Engine(self.opened, tables, self.plan)
+            if self.ends is None:  # building the program is not counted
+                self.ends = time.monotonic() + _SECONDS
+            engine.give_up = lambda: self._spent(engine)
+            try:
+                (batch,) = engine.run(0, 1)
+            finally:
+                self.made = engine.statistics.interactions
+                self.room -= self.made
+        rows = exact(batch.cells[[layout.depth_capped, layout.escaped]])
+        under_way, escaped = (float(Fraction(n, self.compiled.emitted)) for n in rows)
+        return under_way, escaped
+
+    def _spent(self, engine: Engine) -> bool:
+        assert self.ends is not None
+        late = time.monotonic() > self.ends
+        return late or self.stop() or engine.statistics.interactions > self.room
+
+
+def _without_bins(scene: Scene) -> Scene:
+    """Return a scene with a single bin in each map: the same program, and no memory to speak of."""
+    one = {
+        n: dataclasses.replace(e, detector=dataclasses.replace(e.detector, map=(1, 1)))
+        for n, e in enumerate(scene.element)
+        if e.detector is not None and e.detector.map is not None
+    }
+    far = None if scene.far_field is None else FarField(n_mu=1, n_phi=1)
+    elements = tuple(one.get(n, e) for n, e in enumerate(scene.element))
+    return dataclasses.replace(scene, element=elements, far_field=far)
