@@ -365,7 +365,10 @@ def _fp64_per_cycle(
         # A query of its own, which PoCL on such a GPU may not know and fails in its own way.
         if is_nvidia(device.vendor):
             with contextlib.suppress(Exception):
-                major, minor = device.compute_capability_major_nv, device.compute_capability_minor_nv
+                major, minor = (
+                    device.compute_capability_major_nv,
+                    device.compute_capability_minor_nv,
+                )
                 rate = float(_NVIDIA_FP64.get((int(major), int(minor)), _CONSUMER_FP64))
         # The vendor's own runtime ahead of PoCL's on the same GPU.
         return 0.5 * rate if is_pocl else rate

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Collection, Iterator
 
 __all__ = ["LIBRARY", "PLATFORM", "intel_is_installed", "intel_library", "registered", "trouble"]
 
@@ -83,12 +83,12 @@ def _folder(stack: ExitStack) -> str:
     return folder
 
 
-def trouble(platforms: Iterator[str]) -> str:
+def trouble(platforms: Collection[str]) -> str:
     """Say why the runtime that pip installed is not among the platforms; empty where it is.
 
     Parameters
     ----------
-    platforms : iterable of str
+    platforms : collection of str
         Names of the platforms that the loader listed.
     """
     library = intel_library()

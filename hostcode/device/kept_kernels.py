@@ -359,7 +359,9 @@ def _build_binary(device: OpenDevice, key: str, source: str, options: Sequence[s
         mark = _Known(set(), found[0], mark=_mark(key))
         try:
             binary = found[1][_BINARY]
-            program = _built_by_others(cl.Program(device.context, [device.device], [binary]), options)
+            program = _built_by_others(
+                cl.Program(device.context, [device.device], [binary]), options
+            )
         except cl.Error:
             _refuse(key, mark)
         except BaseException:

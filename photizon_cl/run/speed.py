@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["faster_runtime", "rates"]
 
 WORTH_TELLING: Final = 1.2
-"""Times as fast as the default from which on a runtime is told of: less may be the minute's load."""
+"""Times as fast as the default from which on a runtime is told of: less may be a minute's load."""
 
 _PRESET: Final = "box-room"
 _TEST: Final = f"{_PRESET}/{__version__}"

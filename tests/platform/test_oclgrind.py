@@ -7,13 +7,11 @@ variable, and since it does not know what optimisers make of them.
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 from pathlib import Path
 
 import pytest
@@ -39,10 +37,10 @@ needs_oclgrind = pytest.mark.skipif(
 )
 
 
-def run(names, tmp_path):
-    """Return what each case gave, and what was reported, by its first line."""
+def run(name, tmp_path):
+    """Return what a case gave, and what was reported."""
     log = tmp_path / "reports"
-    script = [sys.executable, "-m", "oracles.watched", *names]
+    script = [sys.executable, "-m", "oracles.watched", name]
     hidden = ("OCL_ICD_VENDORS", "OCL_ICD_FILENAMES", "POCL_CACHE_DIR")
     environment = {key: value for key, value in os.environ.items() if key not in hidden}
     done = subprocess.run(
@@ -51,21 +49,22 @@ def run(names, tmp_path):
         env={**environment, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": PYTHONPATH},
         capture_output=True,
         text=True,
-        timeout=600,
+        timeout=300,
         check=False,
     )
-    said = log.read_text(errors="replace") if log.is_file() else ""
-    reports = [text.strip() for text in re.split(r"\n\s*\n", said) if text.strip()]
-    assert done.returncode == 0 or reports, done.stderr[-2000:]
-    return dict(map(json.loads, done.stdout.splitlines())), reports
+    # wrong calls are told on standard error, whatever the log
+    said = log.read_text(errors="replace") + "\n\n" if log.is_file() else ""
+    reports = [text.strip() for text in re.split(r"\n\s*\n", said + done.stderr) if text.strip()]
+    assert done.returncode == 0 or reports
+    return done.stdout.strip(), reports
 
 
-def clean(names, tmp_path):
+def clean(name, tmp_path):
     """Assert that nothing is reported, and that what came out is what the device gives."""
-    found, reports = run(names, tmp_path)
+    found, reports = run(name, tmp_path)
     assert not reports, f"{len(reports)} reports, the first:\n" + "\n\n".join(reports[:3])
-    # what the simulator gives up it does not report: the answers tell that all was run
-    assert found == {name: watched.digest(name) for name in names}
+    # the answer tells that all was run
+    assert found == watched.digest(name)
 
 
 def test_the_scene_has_every_kind():
@@ -81,14 +80,16 @@ def test_the_scene_has_every_kind():
 
 
 @needs_oclgrind
-def test_nothing_is_reported(tmp_path):
-    clean(list(watched.CASES), tmp_path)
+@pytest.mark.parametrize("name", watched.CASES)
+def test_nothing_is_reported(name, tmp_path):
+    clean(name, tmp_path)
 
 
 @needs_oclgrind
 @pytest.mark.slow
-def test_nothing_is_reported_of_more(tmp_path):
-    clean(list(watched.MORE), tmp_path)
+@pytest.mark.parametrize("name", watched.MORE)
+def test_nothing_is_reported_of_more(name, tmp_path):
+    clean(name, tmp_path)
 
 
 SAID = {
@@ -101,5 +102,5 @@ SAID = {
 @needs_oclgrind
 @pytest.mark.parametrize("name", watched.BROKEN)
 def test_a_broken_kernel_is_reported(name, tmp_path):
-    _, reports = run([name], tmp_path)
+    _, reports = run(name, tmp_path)
     assert any(SAID[name] in report for report in reports), reports[:2]
