@@ -118,7 +118,7 @@ CASES: Final[dict[str, Case]] = {
     "every kind": Case(rays=7),
     "every kind, through a tree": Case(rays=7, force=TREE),
     "every kind, stage by stage": Case(rays=7, plan={"composition": "classical"}),
-    "every kind, ray by ray": Case(rays=3, by_ray=True),
+    "every kind, ray by ray": Case(rays=7, by_ray=True),
     "4 lanes": Case(LADDER, 2, plan={"lanes": 4}),
     "a kernel a path": Case(LADDER, 2, plan={"composition": "whole-path"}),
     "copies of the tally": Case("box-room", 8, 2, {"tally_copies": 2, "wave_rays": 16}),
@@ -131,7 +131,7 @@ MORE: Final[dict[str, Case]] = {
     "every kind, 8 in turn through a tree": Case(
         rays=7, force=TREE, plan={"lanes": 8, "cached_bytes": 1}
     ),
-    "every kind, 16 lanes": Case(plan={"lanes": 16, "refill": 4}),
+    "every kind, 8 lanes": Case(plan={"lanes": 8, "refill": 2}),
     "every kind, a kernel a path": Case(plan={"composition": "whole-path"}),
     "stacks that grow": Case(LADDER, 8, plan={"stack_rays": 2}),
     "interleaved stacks that grow": Case(LADDER, 8, plan={"stack_rays": 2, "interleaved": True}),
