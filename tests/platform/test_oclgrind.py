@@ -25,7 +25,6 @@ PYTHONPATH = os.pathsep.join((str(ROOT / "tests"), str(ROOT)))
 OCLGRIND = shutil.which("oclgrind")
 OPTIONS = (
     "--data-races",
-    "--uninitialized",
     "--check-api",
     "--build-options",
     "-O0 -Dalways_inline=noinline",
@@ -40,11 +39,12 @@ needs_oclgrind = pytest.mark.skipif(
 def run(name, tmp_path):
     """Return what a case gave, and what was reported."""
     log = tmp_path / "reports"
+    unset = ["--uninitialized"] if watched.ALL[name].unset else []
     script = [sys.executable, "-m", "oracles.watched", name]
     hidden = ("OCL_ICD_VENDORS", "OCL_ICD_FILENAMES", "POCL_CACHE_DIR")
     environment = {key: value for key, value in os.environ.items() if key not in hidden}
     done = subprocess.run(
-        [str(OCLGRIND), *OPTIONS, str(log), *script],
+        [str(OCLGRIND), *unset, *OPTIONS, str(log), *script],
         # kept kernels would be those of other options
         env={**environment, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": PYTHONPATH},
         capture_output=True,
