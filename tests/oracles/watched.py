@@ -149,8 +149,8 @@ MORE: Final[dict[str, Case]] = {
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
     )},
 }  # fmt: skip
-"""What takes longer. Of 16 lanes the simulator (src/plugins/Uninitialized.cpp) takes one for unset when
-they are shuffled: it compares the lane's number with an enumerator of LLVM's."""
+"""What takes longer. When 16 lanes are shuffled the simulator (src/plugins/Uninitialized.cpp) takes one
+for unset: it compares the lane's number with an enumerator of LLVM's."""
 
 BROKEN: Final[dict[str, Case]] = {
     "writes beyond the tally": Case(SPHERE, 8, broken={"far_field.column": "i + (1L << 36)"}),
