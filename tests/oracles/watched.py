@@ -101,8 +101,8 @@ def every_kind() -> dict[str, Any]:
 class Case:
     """What is traced, and how.
 
-    `broken` is what stands at points of the kernels instead; `unset` is whether to look for values that
-    were never set.
+    `broken` is what stands at points of the kernels instead; `unset` is whether to look for values
+    that were never set.
     """
 
     scene: str = ""
@@ -149,8 +149,8 @@ MORE: Final[dict[str, Case]] = {
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
     )},
 }  # fmt: skip
-"""What takes longer. When 16 lanes are shuffled the simulator (src/plugins/Uninitialized.cpp) takes one
-for unset: it compares the lane's number with an enumerator of LLVM's."""
+"""What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its
+src/plugins/Uninitialized.cpp compares the lane's number with an enumerator of LLVM's."""
 
 BROKEN: Final[dict[str, Case]] = {
     "writes beyond the tally": Case(SPHERE, 8, broken={"far_field.column": "i + (1L << 36)"}),
