@@ -94,7 +94,7 @@ typedef uint${vector} word;
 #define FETCH_TO_WRITE(place) __builtin_prefetch((const void *)(size_t)(place), 1)
 #else
 #define FETCH(place)
-#define FETCH_TO_WRITE(place) ${point("prelude.fetch_to_write", "((void)*(volatile __global const long *)(place))")}
+#define FETCH_TO_WRITE(place) ((void)*(volatile __global const long *)(place))
 #endif
 
 #define NO_FACE (-1L)
