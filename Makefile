@@ -5,18 +5,20 @@
 #   make docs     set up likewise, then build the documentation into docs/_build/html
 #   make lint | types | bench | gpu | clean
 #
-# Variables: VENV=.venv   POCL=auto|debian|pypi|none   PYTHON=…   PYTEST_ARGS=…   WORKERS=2
+# Variables: VENV=.venv   POCL=auto|debian|pypi|none   INTEL=none|pypi   PYTHON=…   PYTEST_ARGS=…   WORKERS=2
 #   WORKERS=2    processes that run tests: a CPU device compiles kernels on one core (0: this one)
 #   POCL=auto    Debian's pocl-opencl-icd where it may be installed, else the one of PyPI
+#   INTEL=pypi   Intel's CPU runtime as well, which is proprietary (none: not installed, the default)
 #   POCL=debian  Debian's or stop;  POCL=pypi  never ask apt;  POCL=none  the machine has a device
 
 VENV  ?= .venv
 POCL  ?= auto
+INTEL ?= none
 PYTHON ?=
 PYTEST_ARGS ?=
 WORKERS ?= 2
 
-SETUP := VENV='$(VENV)' POCL='$(POCL)' PYTHON='$(PYTHON)' sh .ci/setup
+SETUP := VENV='$(VENV)' POCL='$(POCL)' INTEL='$(INTEL)' PYTHON='$(PYTHON)' sh .ci/setup
 BIN   := $(VENV)/bin
 INPUTS := pyproject.toml .ci/setup
 

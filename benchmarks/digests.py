@@ -1,6 +1,7 @@
 """The presets' first batches as digests: what every device must give, bit for bit.
 
     python -m benchmarks.digests             compare this machine's device with the stored digests
+    python -m benchmarks.digests --all       the same on every device that there is
     python -m benchmarks.digests --write     store this device's digests
 
 Stored beside each digest is one of the preset's compiled tables, so that a changed preset is told
@@ -20,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 from benchmarks import facts
 from benchmarks.report import table
 from benchmarks.runner import Runner, compiled_preset
-from hostcode.device.device import choose, open_device, preferred_lanes
+from hostcode.device.device import choose, open_device, preferred_lanes, qualify, survey
 from hostcode.errors import DeviceError
 from hostcode.program.plan import default_plan
 from photizon_cl.scene.presets import preset_names
@@ -32,6 +33,14 @@ if TYPE_CHECKING:
 
 STORED: Final = Path(__file__).absolute().parent / "data" / "digests.json"
 BATCHES: Final = 2
+
+WANTED: Final = {
+    "debian": "PoCL, by apt install pocl-opencl-icd",
+    "pypi": "PoCL, by pip install 'pyopencl[pocl]'",
+    "intel": "Intel's CPU runtime, by pip install 'photizon-cl[intel]'",
+    "gpu": "a GPU with its vendor's driver",
+}
+"""Runtimes that digests are compared on where they are, and how to get them."""
 
 
 def tables_digest(compiled: CompiledScene) -> str:
@@ -86,11 +95,43 @@ def compare(found: dict[str, Any], known: dict[str, Any] | None) -> tuple[bool |
     return False, f"stored is {known['digest']}"
 
 
+def everywhere() -> int:
+    """Compare every device of this machine; return the exit status, 1 where any bit differs."""
+    here: list[tuple[str, OpenDevice]] = []
+    for record in survey().records:
+        name = record.origin or record.type
+        reasons = qualify(record, self_test=True)
+        print(f"{name}: {record.label}" + (f", skipped: {'; '.join(reasons)}" if reasons else ""))
+        if not reasons:
+            here.append((name, open_device(record)))
+    found = {record.origin for record in survey().records} | {r.type for r in survey().records}
+    for name, what in WANTED.items():
+        if name not in found:
+            print(f"{name}: skipped, not here: {what}")
+    for problem in survey().problems:
+        print(f"not readable: {problem}")
+    known, wrong, rows = stored(), 0, []
+    for preset in preset_names():
+        verdicts = []
+        for name, device in here:
+            made = entry(device, preset)
+            same, why = compare(made, known.get(preset))
+            wrong += same is not True
+            verdicts.append(f"{name}: {'as stored' if same else made['digest'] + ', ' + why}")
+        rows.append([preset, known.get(preset, {}).get("digest", "none"), "; ".join(verdicts)])
+    print(*table(["preset", "stored digest", "on each device"], rows, left=3), sep="\n")
+    print(f"{len(here)} devices, {len(rows)} presets, {wrong} that differ")
+    return int(wrong > 0 or not here)
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.digests")
     parser.add_argument("--write", action="store_true", help="store what this device gives")
+    parser.add_argument("--all", action="store_true", help="compare every device that there is")
     parser.add_argument("--device")
     asked = parser.parse_args(arguments)
+    if asked.all:
+        return everywhere()
     try:
         device = open_device(choose(asked.device))
     except DeviceError as error:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
+from hostcode.device import intel_runtime
 from hostcode.device.kernel_cache import provide_cache
 from hostcode.device.pocl_mend import mend_pypi_pocl
 from hostcode.errors import DeviceError
@@ -69,7 +70,8 @@ class DeviceRecord:
     pocl_version : tuple of int
         For example ``(3, 1)``; empty for other runtimes.
     origin : str
-        Who packaged a PoCL: ``debian``, ``pypi`` or ``""`` (somebody else, or another runtime).
+        Who packaged a PoCL, ``debian`` or ``pypi``; ``intel`` for a runtime of Intel's; ``""`` for
+        any other.
     fp64_per_cycle : float
         Estimate of fused multiply-adds per compute unit and cycle; only ever used to rank devices.
     """
@@ -174,7 +176,8 @@ def _survey() -> Survey:
         return Survey((), (str(error),))
     except ImportError as error:  # a wheel for the wrong system, a missing libOpenCL
         return Survey((), (f"pyopencl cannot be imported: {error}",))
-    mend_pypi_pocl()  # before the loader first looks at its platforms; mostly does nothing
+    # Both before the loader first looks at its platforms; mostly they do nothing.
+    mend_pypi_pocl()
     return _read_platforms()
 
 
@@ -182,18 +185,21 @@ def _read_platforms() -> Survey:
     import pyopencl as cl
 
     try:
-        platforms = cl.get_platforms()
+        with intel_runtime.registered():
+            platforms = cl.get_platforms()
     except cl.Error as error:
         # The ICD loader reports "no platform" as an error of its own.
-        if "PLATFORM_NOT_FOUND" in str(error):
-            return Survey((), ())
-        return Survey((), (f"the OpenCL loader cannot list its platforms: {error}",))
+        if "PLATFORM_NOT_FOUND" not in str(error):
+            return Survey((), (f"the OpenCL loader cannot list its platforms: {error}",))
+        platforms = []
 
     records: list[DeviceRecord] = []
     problems: list[str] = []
+    listed: list[str] = []
     for platform_index, platform in enumerate(platforms):
         try:
             name = platform.name.strip()
+            listed.append(name)
             devices = platform.get_devices()
         except cl.Error as error:
             if "DEVICE_NOT_FOUND" not in str(error):
@@ -206,7 +212,15 @@ def _read_platforms() -> Survey:
                 problems.append(f"device {platform_index}:{device_index} of {name}: {error}")
             else:
                 records.append(record)
+    missing = intel_runtime.trouble(listed)
+    if missing:
+        problems.append(missing)
     return Survey(tuple(records), tuple(problems))
+
+
+def is_nvidia(vendor: str) -> bool:
+    """Return whether a device is NVIDIA's, as its runtime names the vendor."""
+    return "nvidia" in vendor.lower()
 
 
 def find_device(record: DeviceRecord) -> cl.Device:
@@ -274,7 +288,7 @@ def _record(device: cl.Device, index: int, platform_index: int, device_index: in
         max_work_group_size=int(device.max_work_group_size),
         is_pocl=is_pocl,
         pocl_version=pocl_version,
-        origin=_origin(platform.version, pocl_version) if is_pocl else "",
+        origin=_origin(platform.version, pocl_version) if is_pocl else _maker(platform.name),
         fp64_per_cycle=_fp64_per_cycle(device, kind, native, is_pocl, pocl_version),
     )
 
@@ -319,6 +333,10 @@ def _pocl_version(version: str) -> tuple[int, ...]:
     return tuple(int(part) for part in found[1].split(".")) if found else ()
 
 
+def _maker(platform: str) -> str:
+    return "intel" if platform.startswith(intel_runtime.PLATFORM) else ""
+
+
 def _origin(version: str, pocl_version: tuple[int, ...]) -> str:
     if "debian" in version.lower():
         return "debian"
@@ -344,10 +362,14 @@ def _fp64_per_cycle(
 ) -> float:
     if kind == "gpu":
         rate = float(_AMD_FP64.get(device.name.split(":")[0].strip(), _CONSUMER_FP64))
-        # Asked of another vendor's runtime, the query fails in that runtime's own way.
-        with contextlib.suppress(Exception):
-            major, minor = device.compute_capability_major_nv, device.compute_capability_minor_nv
-            rate = float(_NVIDIA_FP64.get((int(major), int(minor)), _CONSUMER_FP64))
+        # A query of its own, which PoCL on such a GPU may not know and fails in its own way.
+        if is_nvidia(device.vendor):
+            with contextlib.suppress(Exception):
+                major, minor = (
+                    device.compute_capability_major_nv,
+                    device.compute_capability_minor_nv,
+                )
+                rate = float(_NVIDIA_FP64.get((int(major), int(minor)), _CONSUMER_FP64))
         # The vendor's own runtime ahead of PoCL's on the same GPU.
         return 0.5 * rate if is_pocl else rate
     if is_pocl:

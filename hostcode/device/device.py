@@ -13,7 +13,8 @@ A selector is one of
     the best device of that type;
 any other text
     looked for, ignoring case, in *platform/version/device/driver/vendor*, with ``debian`` or
-    ``pypi`` standing for who packaged a PoCL: ``pocl``, ``debian``, ``pypi``, ``nvidia``, ``h200``.
+    ``pypi`` standing for who packaged a PoCL: ``pocl``, ``debian``, ``pypi``, ``nvidia``, ``h200``;
+    ``intel`` is a runtime of Intel's where there is one, whoever made the processor.
 
 To give a process one platform only, or to limit a CPU's threads, see
 `hostcode.device.pocl_environment`.
@@ -267,11 +268,18 @@ def _matching(selector: str, records: tuple[DeviceRecord, ...]) -> list[DeviceRe
         return [rec for rec in records if (rec.platform_index, rec.device_index) == position]
     if text in _TYPES:
         return [record for record in records if record.type == text]
-    return [record for record in records if text in record.search_text]
+    by_origin = [record for record in records if text == record.origin]
+    return by_origin or [record for record in records if text in record.search_text]
+
+
+_OTHER_CPU: Final = 0.1
+"""What the rate of a CPU counts under another runtime: PoCL's, whatever clock each tells, is more.
+Which is faster is measured, and told by `hostcode.device.speed`."""
 
 
 def _rank(record: DeviceRecord) -> tuple[float, int]:
-    return (-record.fp64_gflops, record.index)
+    other = record.type == "cpu" and not record.is_pocl
+    return (-record.fp64_gflops * (_OTHER_CPU if other else 1.0), record.index)
 
 
 def _line(record: DeviceRecord) -> str:

@@ -23,6 +23,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.device import kernel_cache
+from hostcode.device.capability import is_nvidia
 from hostcode.errors import CacheWarning
 
 if TYPE_CHECKING:
@@ -61,9 +62,8 @@ def program_key(device: OpenDevice, source: str, options: Sequence[str]) -> str:
 
 def are_kept(device: OpenDevice) -> bool:
     """Return whether a device's programs are kept here, and not by its driver."""
-    from pyopencl.characterize import has_src_build_cache
-
-    return device.record.is_pocl or not has_src_build_cache(device.device)
+    # NVIDIA's keeps them in ~/.nv; nothing but the vendor's name tells
+    return device.record.is_pocl or not is_nvidia(device.record.vendor)
 
 
 def build(device: OpenDevice, key: str, source: str, options: Sequence[str]) -> cl.Program:
@@ -117,6 +117,15 @@ def build(device: OpenDevice, key: str, source: str, options: Sequence[str]) -> 
 def _built(program: cl.Program, options: Sequence[str]) -> cl.Program:
     built: cl.Program = program.build(options=list(options))
     return built
+
+
+def _built_by_others(program: cl.Program, options: Sequence[str]) -> cl.Program:
+    """Build a program with a compiler that also tells that all is well, as Intel's does."""
+    import pyopencl as cl
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", cl.CompilerWarning)
+        return _built(program, options)
 
 
 def keep(key: str) -> None:
@@ -350,7 +359,9 @@ def _build_binary(device: OpenDevice, key: str, source: str, options: Sequence[s
         mark = _Known(set(), found[0], mark=_mark(key))
         try:
             binary = found[1][_BINARY]
-            program = _built(cl.Program(device.context, [device.device], [binary]), options)
+            program = _built_by_others(
+                cl.Program(device.context, [device.device], [binary]), options
+            )
         except cl.Error:
             _refuse(key, mark)
         except BaseException:
@@ -359,7 +370,7 @@ def _build_binary(device: OpenDevice, key: str, source: str, options: Sequence[s
         else:
             _known[key] = mark
             return program
-    program = _built(cl.Program(device.context, source), options)
+    program = _built_by_others(cl.Program(device.context, source), options)
     where = kernel_cache.place()
     if kept and where is not None:
         with suppress(OSError, cl.Error):

@@ -1,4 +1,4 @@
-"""Which devices are known to have passed their self-test, from one process to the next.
+"""Which devices are known to have passed their self-test, and how fast, between processes.
 
 They are in ``$XDG_CACHE_HOME/photizon_cl/selftest.json`` (default ``~/.cache``), by device and
 driver. A file that is absent, damaged or cannot be written costs a test, nothing else.
@@ -11,10 +11,11 @@ import os
 import tempfile
 from contextlib import suppress
 from pathlib import Path
+from typing import Final
 
 from hostcode.device.kernel_cache import cache_home
 
-__all__ = ["cache_file", "count", "forget", "of", "remember"]
+__all__ = ["cache_file", "count", "forget", "of", "rate_of", "remember", "remember_rate"]
 
 
 def cache_file() -> Path:
@@ -24,7 +25,7 @@ def cache_file() -> Path:
 
 def count() -> int:
     """Return how many devices are remembered to have passed."""
-    return len(_read())
+    return len(_read(_PASSED))
 
 
 def forget() -> int:
@@ -43,7 +44,7 @@ def of(key: str) -> str:
     key : str
         Of the device's record.
     """
-    return _read().get(key, "")
+    return _read(_PASSED).get(key, "")
 
 
 def remember(key: str, verdict: str) -> None:
@@ -56,11 +57,43 @@ def remember(key: str, verdict: str) -> None:
     verdict : str
         What the pass is about.
     """
+    _write(_PASSED, key, verdict)
+
+
+def rate_of(key: str, test: str) -> float | None:
+    """Return a device's rate that was measured with a version of the test, or None.
+
+    Parameters
+    ----------
+    key : str
+        Of the device's record.
+    test : str
+        What was timed.
+    """
+    version, _, rate = _read(_RATES).get(key, "").partition(" ")
+    try:
+        return float(rate) if version == test else None
+    except ValueError:
+        return None
+
+
+def remember_rate(key: str, test: str, rate: float) -> None:
+    """Remember a device's rate, as `rate_of` gives it."""
+    _write(_RATES, key, f"{test} {rate!r}")
+
+
+_PASSED: Final = "passed"
+_RATES: Final = "rates"
+
+
+def _write(part: str, key: str, value: str) -> None:
     # A cache directory that cannot be written costs a second at the next start, nothing else.
     with suppress(OSError, RuntimeError):
         path = cache_file()
         path.parent.mkdir(parents=True, exist_ok=True)
-        content = {"schema": 1, "passed": {**_read(), key: verdict}}
+        content: dict[str, object] = {"schema": 1}
+        content |= {name: _read(name) for name in (_PASSED, _RATES)}
+        content[part] = {**_read(part), key: value}
         # Written beside and renamed, so that another process never reads half a file.
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
         try:
@@ -72,10 +105,9 @@ def remember(key: str, verdict: str) -> None:
             raise
 
 
-def _read() -> dict[str, str]:
+def _read(part: str) -> dict[str, str]:
     try:
         content = json.loads(cache_file().read_text(encoding="utf-8"))
-        passes = content["passed"]
-        return {str(key): str(value) for key, value in passes.items()}
+        return {str(key): str(value) for key, value in content[part].items()}
     except (OSError, ValueError, TypeError, KeyError, AttributeError, RuntimeError):
         return {}  # absent, unreadable, damaged, or no home directory: the test simply runs

@@ -52,7 +52,8 @@ __kernel void merge_stage(__global const launch_t *launch_buffer, __global long 
                           __global long *tally, ulong n_copies) {
     const ulong n = launch_buffer->slots * launch_buffer->n_cells * CELL;
     const ulong i = get_global_id(0);
-    if (i >= n) return;
+    // without work-items, at the first launch, nothing has set the copies
+    if (i >= n || launch_buffer->items == 0) return;
     long sum = 0;
     for (ulong c = 0; c < n_copies; c++) {
         sum += copies[c * n + i];

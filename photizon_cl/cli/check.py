@@ -33,6 +33,7 @@ def _print(scene: Scene) -> None:
     from photizon_cl.checks.advisories import advisories
     from photizon_cl.cli.tables import console, heading, paragraph
     from photizon_cl.compile.compiled import compile_scene
+    from photizon_cl.run.speed import faster_runtime
     from photizon_cl.scene.frames import direction_words
 
     compiled = compile_scene(scene, scene.run)
@@ -76,6 +77,10 @@ def _print(scene: Scene) -> None:
     out.print(Text(f"advisories: {len(found) or 'none'}", "bold"))
     for text in found:
         line(f"- {text}")
+    faster = faster_runtime()
+    if faster:
+        out.print()
+        line(f"device: {faster}")
     out.print(f"{scene.digest()}", soft_wrap=True)
 
 

@@ -19,7 +19,7 @@ queue layout           contiguous, interleaved
 tally_copies, parts    atomics (parts 1, 4), 1 copy, 2 copies
 compute units          1, 2
 cached_bytes           1 (with a tree), 2^20
-runtime                Debian's PoCL, PyPI's PoCL
+runtime                Debian's PoCL, PyPI's PoCL, Intel's CPU runtime, a GPU's
 batches                12; 3 + 9; one by one in reverse order
 =====================  ======================================================================
 
@@ -38,6 +38,8 @@ import pytest
 from oracles.engine import Traced, compiled, open_device, scene_of, trace_compiled
 from oracles.scenes import everything
 
+from hostcode.device.device import enumerate_devices, qualify
+from hostcode.device.device import open_device as open_record
 from hostcode.program.plan import ExecutionPlan
 from photizon_cl.scene.files import load
 
@@ -163,6 +165,24 @@ def test_one_and_two_threads(name: str) -> None:
 @pytest.mark.parametrize("origin", ["debian", "pypi"])
 def test_both_pocls(name: str, origin: str, lanes: int) -> None:
     same(name, device=open_device(origin), lanes=lanes, refill=1, batches=3)
+
+
+@pytest.mark.parametrize("name", ["integrating-sphere", "ghost-ladder"])
+def test_intels_runtime(name: str) -> None:
+    same(name, device=open_device("intel"), lanes=8, refill=1, batches=3)
+
+
+@pytest.mark.slow
+@every_scene
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8, 16])
+def test_every_other_device_at_every_width(name: str, lanes: int) -> None:
+    """Whatever is here beside PoCL; `python -m benchmarks.digests --all` does the presets."""
+    others = [record for record in enumerate_devices() if not record.is_pocl]
+    usable = [record for record in others if not qualify(record, self_test=True)]
+    if not usable:
+        pytest.skip("no device here but PoCL's: pip install 'photizon-cl[intel]', or a GPU")
+    for record in usable:
+        same(name, device=open_record(record), lanes=lanes, refill=1, batches=3)
 
 
 @pytest.mark.parametrize("composition", ["packets", "classical"])

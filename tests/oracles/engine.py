@@ -34,7 +34,7 @@ PLAN = ExecutionPlan(lanes=4, items=8, wave_rays=1 << 16, refill=1, stack_rays=6
 
 @cache
 def open_device(origin: str = "", compute_units: int | None = None) -> OpenDevice:
-    """Return an open device: the chosen one, or the PoCL of ``debian`` or ``pypi``.
+    """Return an open device: the chosen one, or that of ``debian``, ``pypi`` or ``intel``.
 
     Skips the calling test where there is none of that origin.
     """
@@ -43,7 +43,7 @@ def open_device(origin: str = "", compute_units: int | None = None) -> OpenDevic
     for record in devices.enumerate_devices():
         if record.origin == origin and not devices.qualify(record, self_test=True):
             return devices.open_device(record, compute_units=compute_units)
-    pytest.skip(f"no usable PoCL of {origin} on this machine")
+    pytest.skip(f"no usable OpenCL of {origin} on this machine")
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,6 +70,20 @@ H200 = replace(
     origin="",
     fp64_per_cycle=64.0,
 )
+INTEL = replace(
+    DEBIAN,
+    index=4,
+    platform_index=3,
+    name="AMD EPYC",
+    platform="Intel(R) OpenCL",
+    driver="2026.22",
+    vendor="Intel(R) Corporation",
+    clock_mhz=2 * DEBIAN.clock_mhz,
+    is_pocl=False,
+    pocl_version=(),
+    origin="intel",
+    fp64_per_cycle=5.6,
+)
 OLD_GPU = replace(H200, index=3, device_index=1, name="Old GPU", fp64_flags=(), fp64_per_cycle=2.0)
 
 
@@ -89,6 +103,11 @@ def _no_selector(monkeypatch):
         ((DEBIAN, PYPI, H200), H200),
         ((OLD_GPU, PYPI), PYPI),
         ((PYPI,), PYPI),
+        # PoCL is the default, whatever clock and width another runtime tells
+        ((INTEL, PYPI), PYPI),
+        ((INTEL, DEBIAN), DEBIAN),
+        ((INTEL,), INTEL),
+        ((INTEL, H200), H200),
         # a display adapter with a token fp64 does not beat a CPU of eight wide cores
         ((replace(H200, compute_units=16, fp64_per_cycle=2.0), DEBIAN), DEBIAN),
         ((replace(DEBIAN, index=4), DEBIAN), DEBIAN),
@@ -122,6 +141,13 @@ def test_best_by_capability_whatever_the_order(records, best):
 )
 def test_selectors(selector, wanted):
     assert pick(selector, PYPI, OLD_GPU, H200, DEBIAN).record == wanted
+
+
+def test_intel_is_the_runtime_and_not_the_maker_of_a_processor():
+    xeon = replace(DEBIAN, name="pthread-Intel(R) Xeon(R)")
+    assert pick("intel", xeon, INTEL).record == INTEL
+    assert pick("cpu", xeon, INTEL).record == xeon
+    assert pick("intel", xeon, PYPI).record == xeon
 
 
 def test_the_reason_says_when_several_matched():
@@ -189,6 +215,7 @@ def test_preferred_lanes():
     assert dev.preferred_lanes(replace(DEBIAN, native_vector_width_double=4)) == 8
     assert dev.preferred_lanes(PYPI) == 8
     assert dev.preferred_lanes(H200) == 1
+    assert dev.preferred_lanes(INTEL) == 8
 
 
 def test_records_pickle_and_keys_tell_devices_apart():

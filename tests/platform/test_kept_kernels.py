@@ -148,10 +148,10 @@ def test_one_that_is_being_loaded_by_another_is_used(pocl_only, program):
 
 def test_a_driver_without_a_cache_has_its_binary_kept(pocl_only, device, program, monkeypatch):
     import pyopencl as cl
-    import pyopencl.characterize
 
-    monkeypatch.setattr(pyopencl.characterize, "has_src_build_cache", lambda _: False)
     other = dataclasses.replace(device, record=dataclasses.replace(device.record, is_pocl=False))
+    nvidia = dataclasses.replace(other.record, vendor="NVIDIA Corporation")
+    assert not kept_kernels.are_kept(dataclasses.replace(other, record=nvidia))
     key, run = program
     assert run(other)
     assert list(kept_kernels._read(key)[1]) == ["binary"]
