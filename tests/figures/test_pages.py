@@ -153,24 +153,31 @@ def test_the_footer_has_rays_sigma_and_lit_fraction(result):
     assert f"{result.batches} batches" in text
     assert f"median relative σ {100.0 * result.achieved_sigma:.3g} % over all maps" in text
     assert "(target 5 %)" in text
-    lit = result.detectors["target"].map.lit_fraction
-    assert 0.0 < lit < 1.0
-    assert f"{int(1000.0 * lit) / 10.0:.1f} % of bins carry at least 10 rays" in text
+    known = result.detectors["target"].map.known_fraction
+    assert 0.0 < known < 0.5
+    assert f"only {int(1000.0 * known) / 10.0:.1f} % of the bins that rays reach carry" in text
 
 
-@pytest.mark.parametrize(("lit", "warns"), [(0, True), (49, True), (50, False), (100, False)])
-def test_the_warning_comes_below_one_half(lit, warns):
+@pytest.mark.parametrize("dark", [0, 40])
+@pytest.mark.parametrize(("lit", "warns"), [(0, True), (29, True), (30, False), (60, False)])
+def test_the_warning_comes_below_one_half_of_what_rays_reach(lit, dark, warns):
     def counts(_, layout):
         cells = np.zeros(layout.n_cells, np.int64)
         first = layout.detectors[0].map
         cells[first : first + lit] = 10
+        cells[first + lit : first + 60] = 9
         return cells
 
-    made = make(tables(rectangle(name="t", detector={"map": [10, 10]})), counts, 1)
-    figure = draw_irradiance(made, "t")
-    assert f"{lit}.0 % of bins carry at least 10 rays" in footer(figure)
-    assert ("Warning" in footer(figure)) is warns
-    assert "σ unknown from a single batch" in footer(figure)
+    bins = [6, 10] if not dark else [10, 10]
+    made = make(tables(rectangle(name="t", detector={"map": bins})), counts, 1)
+    said = footer(draw_irradiance(made, "t"))
+    if warns:
+        share = int(1000.0 * lit / 60.0) / 10.0
+        assert f"Warning: only {share:.1f} % of the bins that rays reach carry" in said
+    else:
+        assert "Warning" not in said
+        assert f"{100.0 * lit / (60 + dark):.1f} % of bins carry at least 10 rays" in said
+    assert "σ unknown from a single batch" in said
 
 
 def test_the_lit_fraction_reads_alike_everywhere(capsys):
@@ -190,6 +197,7 @@ def test_the_warning_is_not_rounded_away():
     def counts(_, layout):
         cells = np.zeros(layout.n_cells, np.int64)
         first = layout.detectors[0].map
+        cells[first : first + 10000] = 9
         cells[first : first + 4998] = 10
         return cells
 
@@ -258,6 +266,7 @@ def test_what_stays_dark_is_not_scolded():
     made = make(tables(rectangle(name="m", detector={"map": [10, 10]})), counts, 8)
     assert made.lit_fraction == 0.01
     assert not [text for text in made.advisories if "carry at least 10" in text]
+    assert "Warning" not in footer(draw_irradiance(made, "m"))
 
 
 # -- files ---------------------------------------------------------------------------------------

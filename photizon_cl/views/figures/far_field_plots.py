@@ -87,9 +87,8 @@ def draw_far_field(
     far = _far(result)
     scale = colour_norm(far.intensity[~far.hatched], norm, vmin, vmax, peaked=True)
     if ax is None:
-        lit = float(np.mean(~far.hatched))
         what, notes = "far field: intensity of what escaped", chosen(scale, norm)
-        page = sheet(result, what, bins.body(3.6), notes, lit, _own(far))
+        page = sheet(result, what, bins.body(3.6), notes, far.count, _own(far))
         panel = bins.bin_axes(page, 4.85, 3.6)
     else:
         panel = bins.own_axes(ax, False)
@@ -138,9 +137,8 @@ def draw_far_field_cuts(result: Estimates, planes: Sequence[float] = (0.0, 90.0)
             f"planes: found {list(planes)}, expected one to {len(_STYLES)} finite angles in degrees"
         )
     columns = [column(far, phi) for plane in planes for phi in (plane, plane + 180.0)]
-    lit = float(np.mean(far.count[:, columns] >= 10))
     what = "far field: cuts through the intensity of what escaped"
-    page = sheet(result, what, 4.7, None, lit, _own(far))
+    page = sheet(result, what, 4.7, None, far.count[:, columns], _own(far))
     side = 4.2
     axes: Any = page.figure.add_axes(
         page.place(0.45, 0.5 * (page.body - side), side, side), projection="polar"

@@ -278,7 +278,7 @@ def _frame(
         if metric and not bins.to_scale(x, y):
             what += "; axes not to one scale"
         own = ("median relative σ of this map", m.median_sigma)
-        page = sheet(result, what, bins.body(height), notes, m.lit_fraction, own)
+        page = sheet(result, what, bins.body(height), notes, m.count[~m.masked], own)
         panel = bins.bin_axes(page, width, height)
         if metric and width < 2.0:
             panel.axes.locator_params(axis="x", nbins=3)

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 
 from photizon_cl.atomic import reason, replacing, sweep
 from photizon_cl.errors import ArgumentError, show
+from photizon_cl.result.statistics import LIT_COUNT
 from photizon_cl.result.text import lit_percent
 from photizon_cl.views.figures.words import fitted, percent, wrapped
 from photizon_cl.views.shown import ShownFigure
@@ -27,7 +28,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
+    import numpy as np
     from matplotlib.axes import Axes
+    from numpy.typing import NDArray
 
     from photizon_cl.result.estimates import Estimates
 
@@ -236,7 +239,7 @@ def sheet(
     what: str,
     body: float,
     notes: list[str] | None = None,
-    lit: float | None = None,
+    counts: NDArray[np.int64] | None = None,
     own: tuple[str, float | None] | None = None,
 ) -> Page:
     """Begin a figure.
@@ -251,9 +254,9 @@ def sheet(
         Inches that the body needs at least; the whole is rounded up to a multiple of 0.25 in.
     notes : list of str, optional
         More lines for the footer.
-    lit : float, optional
-        Part of the bins shown that carry 10 rays, said in the footer, with a warning below one
-        half.
+    counts : ndarray, optional
+        Rays in each of the bins shown. The footer says how many carry 10, and warns where most of
+        those that rays reach do not; what stays dark is no fault.
     own : (str, float or None), optional
         Of what the figure shows and how well that is known: its σ leads the footer, before that of
         the run, which may be about something else.
@@ -264,8 +267,8 @@ def sheet(
         for text in _state(result, own)
         for line in wrapped(text, SMALL, room, "normal", 2)
     ]
-    if lit is not None:
-        text, poor = _lit(lit)
+    if counts is not None:
+        text, poor = _lit(counts)
         style = (_WARNING, "bold") if poor else (QUIET, "normal")
         lines += [(line, *style) for line in wrapped(text, SMALL, room, style[1], 2)]
     for note in notes or []:
@@ -329,8 +332,12 @@ def judged_by(result: Estimates) -> str:
     return "over the detectors" if result.detectors else "over the ledger"
 
 
-def _lit(lit: float) -> tuple[str, bool]:
-    text = f"{lit_percent(lit)} of bins carry at least 10 rays"
-    if lit >= 0.5:
-        return text, False
-    return f"Warning: only {text}; the median σ says nothing of the other bins", True
+def _lit(counts: NDArray[np.int64]) -> tuple[str, bool]:
+    lit, reached = int((counts >= LIT_COUNT).sum()), int((counts > 0).sum())
+    if 2 * lit >= reached:
+        return f"{lit_percent(lit / max(counts.size, 1))} of bins carry at least 10 rays", False
+    part = lit_percent(lit / reached)
+    return (
+        f"Warning: only {part} of the bins that rays reach carry at least 10; "
+        "the median σ says nothing of the others"
+    ), True
