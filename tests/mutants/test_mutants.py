@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
-from oracles import chance, contacts, gates, kernels
+from oracles import chance, contacts, gates, kernels, packets
 from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, cube, matt, wall
 
@@ -281,6 +281,11 @@ MUTANTS = (
         'a lens does not know its sides',
         {'solid.beside_first': '0.0 * q0.near', 'solid.beside_second': '0.0 * q1.near'},
         gates.curved_corners_hold,
+    ),
+    Mutant(
+        "what a ray notes of a concentrator depends on its neighbours",
+        {"cpc.around": "nowhere"},
+        packets.neighbours_decide_nothing,
     ),
     Mutant(
         'a concentrator does not know its sides',
