@@ -7,6 +7,7 @@ import operator
 import warnings
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from hostcode.run.tally import whole_of
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER, CompiledScene
 from photizon_cl.errors import (
     ArgumentError,
@@ -198,7 +199,7 @@ def _add_batches(
                     whole = complete(compiled.layout, cells)
                     worst = max(worst, check_batch(compiled, tally.batches, whole))
                     tally.add(whole)
-                    interactions += int(whole[compiled.layout.interactions, 3])
+                    interactions += int(whole_of(whole, compiled.layout.interactions, 1)[0, 3])
                     done = goal.reached(compiled.layout, tally)
                     if done:
                         break  # what was computed beyond is dropped: the goal fixes the bits

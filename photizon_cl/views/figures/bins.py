@@ -44,6 +44,7 @@ _ABOVE: Final = 0.28
 _TALLEST: Final = 6.2
 _LONG: Final = 5.0
 _MOST_QUADS: Final = 1 << 22
+_MOST_DOTS: Final = 1 << 11
 _MOST_VECTORS: Final = 1 << 14
 
 
@@ -122,7 +123,9 @@ def paint(
 ) -> Any:
     """Draw every bin of a masked array with the colour of its own value and no other's."""
     if np.size(values) > _MOST_QUADS:
-        # The same bins as a picture: four numbers a corner would not fit into memory.
+        # As a picture: four numbers a corner would not fit into memory. Of more bins than there
+        # are dots on paper, one is drawn for each dot.
+        values = values[np.ix_(*map(_dots, np.shape(values)))]
         extent = (x_edges[0], x_edges[-1], y_edges[0], y_edges[-1])
         drawn: Any = axes.imshow(
             values, cmap=colours, norm=norm, extent=extent, origin="lower", aspect="auto",
@@ -137,6 +140,12 @@ def paint(
     return drawn
 
 
+def _dots(n: int) -> NDArray[np.int64]:
+    """Return which of n bins along an axis are drawn: all, or evenly many of them."""
+    m = min(n, _MOST_DOTS)
+    return (2 * np.arange(m, dtype=np.int64) + 1) * n // (2 * m)
+
+
 def flat(
     axes: Axes,
     x_edges: NDArray[np.float64],
@@ -147,7 +156,7 @@ def flat(
 ) -> None:
     """Draw some bins in one colour."""
     if where.any():
-        only = np.ma.masked_array(np.ones(where.shape), mask=~where)
+        only = np.ma.masked_array(np.broadcast_to(1.0, where.shape), mask=~where)
         one = ListedColormap([colour])
         paint(axes, x_edges, y_edges, only, one, Normalize(0.0, 2.0)).set_label(label)
 
