@@ -13,7 +13,7 @@ from hostcode.program.structs import ITEM, numpy_dtype
 if TYPE_CHECKING:
     import pyopencl as cl
 
-    from hostcode.device.device import OpenDevice
+    from hostcode.device.device import DeviceRecord, OpenDevice
     from hostcode.program.spec import ProgramSpec
 
 __all__ = ["BUDGET", "Queue"]
@@ -59,9 +59,7 @@ class Queue:
 
         self._cl, self._device, self._spec = cl, device, spec
         self.n_items, self.capacity = n_items, capacity
-        self.budget = BUDGET
-        if device.record.type == "gpu":  # its memory is no one else's
-            self.budget = max(BUDGET, device.record.global_memory // _PART)
+        self.budget = self.budget_of(device.record)
         self._layout = _layout(spec)
         size = n_items * numpy_dtype(ITEM).itemsize
         self.items = cl.Buffer(device.context, cl.mem_flags.READ_WRITE, size)
@@ -73,6 +71,13 @@ class Queue:
         """Return how much memory a waiting ray takes."""
         fields = spec.ray_fields
         return 8 * len(of_type(fields, "real", "long", "ulong")) + 4 * len(of_type(fields, "word"))
+
+    @staticmethod
+    def budget_of(record: DeviceRecord) -> int:
+        """Return the bytes that waiting rays may take on a device."""
+        if record.type == "gpu":  # its memory is no one else's
+            return max(BUDGET, record.global_memory // _PART)
+        return BUDGET
 
     @staticmethod
     def sizes(spec: ProgramSpec, places: int) -> tuple[int, ...]:

@@ -24,7 +24,11 @@ _FULLEST: Final = 2.0**62
 
 
 def read_dense(
-    device: OpenDevice, buffer: cl.Buffer, slots: int, n_cells: int, before: NDArray[np.int64] | None
+    device: OpenDevice,
+    buffer: cl.Buffer,
+    slots: int,
+    n_cells: int,
+    before: NDArray[np.int64] | None,
 ) -> NDArray[np.int64]:
     """Return what the slots' tallies hold, in canonical form.
 

@@ -87,7 +87,7 @@ class SparseTally:
         if not fits or self.numbers.dtype != np.int64 or self.rows.dtype != np.int64:
             raise ValueError("numbers and rows do not belong together")
         if m and not (
-            0 <= self.numbers[0]
+            self.numbers[0] >= 0
             and self.numbers[-1] < self.n_cells
             and (self.numbers[1:] > self.numbers[:-1]).all()
         ):
@@ -130,21 +130,22 @@ class SparseTally:
 
     def with_cells(self, cells: dict[int, NDArray[np.int64]]) -> SparseTally:
         """Return the tally with some cells replaced; they may be zero."""
-        changed = np.array(sorted(cells), np.int64)
-        kept = ~np.isin(self.numbers, changed)
-        numbers = np.concatenate([self.numbers[kept], changed])
-        rows = np.concatenate([self.rows[kept], np.stack([cells[int(c)] for c in changed])])
-        order = np.argsort(numbers, kind="stable")
-        return SparseTally(self.n_cells, numbers[order], rows[order])
+        new = np.setdiff1d(np.array(list(cells), np.int64), self.numbers)
+        at = np.searchsorted(self.numbers, new)
+        numbers = np.insert(self.numbers, at, new)
+        rows = np.insert(self.rows, at, 0, axis=0)
+        for cell, row in cells.items():
+            rows[np.searchsorted(numbers, cell)] = row
+        return SparseTally(self.n_cells, numbers, rows)
 
 
 def lit_rows(tally: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return which cells of an array are not all zero, ascending, shape (m,), int64."""
     # by number of the integer: far faster than asking row by row where few are lit
-    found = np.flatnonzero(tally.reshape(-1)) // CELL
+    found = np.asarray(np.flatnonzero(tally.reshape(-1)) // CELL, dtype=np.int64)
     if not len(found):
         return found
-    return found[np.append(True, found[1:] != found[:-1])]
+    return np.asarray(found[np.append(True, found[1:] != found[:-1])])
 
 
 def some_of(cells: NDArray[np.int64] | SparseTally, first: int, n: int) -> NDArray[np.int64]:

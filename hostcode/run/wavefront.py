@@ -271,9 +271,7 @@ class Engine:
         """How many batches are in flight together."""
         return self._slots
 
-    def _run_slots(
-        self, first_batch: int, slots: int
-    ) -> Sequence[NDArray[np.int64] | SparseTally]:
+    def _run_slots(self, first_batch: int, slots: int) -> Sequence[NDArray[np.int64] | SparseTally]:
         self._write_launch(first_batch)
         self._clear(self._tally)
         if not self._clean:
@@ -302,9 +300,9 @@ class Engine:
                     self._grow(first_batch)
                 elif self._adapt(took):
                     self._write_launch(first_batch)
-        total = self._read(slots, total)
+        tallies: Sequence[NDArray[np.int64] | SparseTally] = self._read(slots, total)
         self._clean = True
-        return total
+        return tallies
 
     def _adapt(self, took: float) -> bool:
         """Choose how many steps the next launch has; say whether that is another number."""

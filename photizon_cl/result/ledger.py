@@ -194,7 +194,9 @@ class Ledger:
             return Estimate(watts(compiled, total, tally.batches), sigma)
 
         elements = enumerate(compiled.scene.element)
-        absorbed = Table("ledger.absorbed", ((e.name, row(totals[n], errors[n])) for n, e in elements))
+        absorbed = Table(
+            "ledger.absorbed", ((e.name, row(totals[n], errors[n])) for n, e in elements)
+        )
         balance = totals[layout.killed] - totals[layout.boosted]
         emitted = compiled.emitted * tally.batches
         n = layout.n_elements

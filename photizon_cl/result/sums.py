@@ -18,9 +18,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["TOTAL_LIMBS", "DenseSums", "SparseSums", "Sums", "totals_of", "welford"]
+__all__ = ["SPARSE_CELL", "TOTAL_LIMBS", "DenseSums", "SparseSums", "Sums", "totals_of", "welford"]
 
 _LOW: Final = np.int64(0xFFFFFFFF)
+SPARSE_CELL: Final = 46
+"""Bytes of the sums of a cell where only those that are lit are held."""
 TOTAL_LIMBS: Final = 4
 """A total has one limb more than a batch: 2^48 rays of weight 1 pass 2^63 units of 2^-31."""
 
@@ -32,6 +34,10 @@ class Sums(Protocol):
     """Sums of `n_cells` cells."""
 
     n_cells: int
+
+    @classmethod
+    def of(cls, n_cells: int, numbers: NDArray[np.int64] | None, rows: Rows) -> Sums:
+        """Return sums that hold some rows; copies."""
 
     def add(self, cells: Any, batches: int) -> None:
         """Add a batch, the `batches`-th, in canonical form."""
@@ -148,7 +154,7 @@ class DenseSums:
 
 
 class _Block:
-    """Sums of those of up to 2^16 cells in which something was counted; 46 bytes each."""
+    """Sums of those of up to 2^16 cells in which something was counted, `SPARSE_CELL` each."""
 
     __slots__ = ("at", "count", "high", "low", "m2", "mean")
 
@@ -251,7 +257,7 @@ class SparseSums:
     @property
     def nbytes(self) -> int:
         """Bytes that are held."""
-        return sum(46 * len(block.at) for block in self._blocks)
+        return sum(SPARSE_CELL * len(block.at) for block in self._blocks)
 
     def add(self, cells: SparseTally, batches: int) -> None:
         """Add a batch, see `Sums`."""

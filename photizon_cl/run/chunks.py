@@ -141,8 +141,8 @@ def _checksum(chunk: Chunk, seal: Seal) -> str:
     told = replace(seal, checksum="")
     total = hashlib.sha256(repr((told, chunk.device, chunk.build_seconds.hex())).encode())
     for cells in chunk.cells:
-        sparse = isinstance(cells, SparseTally)
-        for array in (cells.numbers, cells.rows) if sparse else (cells,):
+        arrays = (cells.numbers, cells.rows) if isinstance(cells, SparseTally) else (cells,)
+        for array in arrays:
             total.update(np.ascontiguousarray(array, dtype="<i8").data)
     return total.hexdigest()
 

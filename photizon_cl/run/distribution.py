@@ -19,7 +19,7 @@ from hostcode.device.device import (
 from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError, QueueFull
 from hostcode.program.plan import ExecutionPlan, default_plan
 from hostcode.run.wavefront import Engine
-from photizon_cl.errors import ArgumentError, RunError, show
+from photizon_cl.errors import ArgumentError, NoRoomError, RunError, show
 from photizon_cl.run.chunks import Chunk
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ __all__ = [
     "device_failures",
     "make_engine",
     "open_chosen",
+    "usual_plan",
 ]
 
 
@@ -135,10 +136,13 @@ def make_engine(
         Where there is no such device, or the program or its buffers cannot be made.
     """
     opened = open_chosen(device)
-    if plan is None:
-        plan = default_plan(opened.record, preferred_lanes(opened.record, tables.spec.effects))
     with device_failures(opened.record.label):
-        return Engine(opened, tables, plan)
+        return Engine(opened, tables, plan or usual_plan(opened.record, tables))
+
+
+def usual_plan(record: DeviceRecord, tables: DeviceTables) -> ExecutionPlan:
+    """Return how a device runs a scene where nobody says."""
+    return default_plan(record, preferred_lanes(record, tables.spec.effects))
 
 
 @contextmanager
@@ -148,6 +152,13 @@ def device_failures(label: str) -> Iterator[None]:
 
     try:
         yield
+    except QueueFull as error:
+        raise NoRoomError(str(error)) from error
+    except (cl.MemoryError, MemoryError) as error:
+        raise NoRoomError(
+            f"device {label} has no memory for the run: take fewer rays_per_batch, or fewer bins "
+            f"in maps and far field; `photizon check` says what takes how much ({error})"
+        ) from error
     except cl.Error as error:
         raise RunError(
             f"device {label} failed: {error}; try fewer rays_per_batch, or another device"
@@ -210,12 +221,11 @@ class Local:
                 chunk = compute(self.engine, first, n)
             except Abandoned:
                 return
-            except RunError as error:
-                if not isinstance(error.__cause__, QueueFull):
-                    raise
+            except NoRoomError as error:
                 self._full = str(error)
                 return
             yield chunk
+            del chunk  # the next one is computed before the caller lets go of this one
             first += n
 
 
