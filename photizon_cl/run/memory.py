@@ -52,7 +52,7 @@ _GROWING: Final = 64 << 20
 _MAP_BIN: Final = 4 * 8
 """Bytes of a map's bin in a result: irradiance, σ, count, area."""
 _FAR_BIN: Final = 3 * 8
-_DRAWN_BIN: Final = 4 * 8
+_DRAWN_BIN: Final = 2 * 8
 """Bytes of a bin while the largest map is written or drawn: values, masks, what is packed."""
 _WORDS: Final = {
     "tally": "the tally of a batch on the device",
@@ -176,7 +176,7 @@ def human(size: float) -> str:
         ("bytes", 1.0),
     )
     shown = size / factor
-    return f"{shown:.2g} {unit}" if shown < 99.5 else f"{shown:.0f} {unit}"
+    return f"{shown:.3g} {unit}" if shown < 999.5 else f"{shown:.0f} {unit}"
 
 
 def refusal(
