@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from hostcode.program.plan import ExecutionPlan
     from hostcode.run.tables import DeviceTables
 
-__all__ = ["Sizes", "hit_sizes"]
+__all__ = ["LEAST", "Sizes", "hit_sizes"]
 
+LEAST: Final = 64
+"""Bytes of a buffer: it cannot be empty."""
 _TALLY_BYTES: Final = 256 << 20
 """Device memory that the slots' tallies may take."""
 _WAITING_BYTES: Final = 64 << 20
@@ -94,11 +96,13 @@ class Sizes:
                 4 * len(of_type(spec.ending_fields, "word")) * items * records,
             ),
             "scene": (
-                *(max(np.asarray(a).nbytes, 8) for a in arrays),
+                *(np.asarray(a).nbytes for a in arrays),
                 numpy_dtype(LAUNCH + spec.launch_members).itemsize,
                 8 * len(STATUS),
             ),
         }
+        for part, found in buffers.items():
+            buffers[part] = tuple(max(size, LEAST) for size in found)
         return cls(slots, copies, items, wave, capacity, records, buffers)
 
     def total(self, *parts: str) -> int:

@@ -21,7 +21,7 @@ from hostcode.program.build import Program, build
 from hostcode.program.structs import ITEM, LAUNCH, STATUS, numpy_dtype
 from hostcode.run.queue import Queue
 from hostcode.run.readout import read_dense, read_sparse
-from hostcode.run.sizes import Sizes, hit_sizes
+from hostcode.run.sizes import LEAST, Sizes, hit_sizes
 from hostcode.run.tables import launch_of
 from hostcode.run.tally import is_sparse
 
@@ -144,7 +144,7 @@ class Engine:
 
     def _allocate(self, size: int) -> cl.Buffer:
         flags = self._cl.mem_flags.READ_WRITE
-        return self._cl.Buffer(self.device.context, flags, max(int(size), 64))
+        return self._cl.Buffer(self.device.context, flags, max(int(size), LEAST))
 
     def _upload(self, array: NDArray[Any]) -> cl.Buffer:
         flags = self._cl.mem_flags.READ_ONLY | self._cl.mem_flags.COPY_HOST_PTR

@@ -148,7 +148,7 @@ def go_on(
     checkpoint: str | os.PathLike[str] | None,
 ) -> _E:
     """Add batches to a result that nobody else holds until its goal is reached."""
-    _check_fits(start.compiled, device, executor, plan)
+    plan = _fitting(start.compiled, device, executor, plan)
     keeper = None if checkpoint is None else Keeper(checkpoint, start)
     try:
         return _add_batches(start, goal, device, progress, executor, plan, keeper)
@@ -163,19 +163,19 @@ def go_on(
             keeper.close()
 
 
-def _check_fits(
+def _fitting(
     compiled: CompiledScene,
     device: DeviceRecord | str | int | None,
     executor: Executor | None,
     plan: ExecutionPlan | None,
-) -> None:
-    """Refuse a run that this process has no memory for, before anything is done for it."""
+) -> ExecutionPlan | None:
+    """Return a plan that fits; refuse a run that has no memory, before anything is done for it."""
     tables = compiled.tables
     if executor is not None:  # workers look at what they have themselves
         check_memory(compiled, None, None, bytes_on_the_way(executor, tables))
-        return
+        return plan
     record = open_chosen(_selector(device)).record
-    check_memory(compiled, record, plan or usual_plan(record, tables))
+    return check_memory(compiled, record, plan or usual_plan(record, tables))
 
 
 def _selector(device: DeviceRecord | str | int | None) -> DeviceRecord | str | None:

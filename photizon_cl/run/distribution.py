@@ -191,7 +191,8 @@ class Local:
         device: DeviceRecord | str | None,
         plan: ExecutionPlan | None,
     ) -> None:
-        self.engine = make_engine(device, tables, plan)
+        self._what = device, tables, plan
+        self.engine = make_engine(*self._what)
         self._full = ""
 
     def watch(self, clock: Clock, interrupted: Callable[[], bool]) -> None:
@@ -210,8 +211,9 @@ class Local:
         self, first: int, last: int | None, size: Callable[[], int | None]
     ) -> Iterator[Chunk]:
         """Give batches in order, see `Runner.chunks`."""
+        alone = False
         while last is None or first < last:
-            n = self.engine.batches_at_once
+            n = 1 if alone else self.engine.batches_at_once
             limit = size()
             if limit is not None:
                 n = min(n, limit)
@@ -222,8 +224,15 @@ class Local:
             except Abandoned:
                 return
             except NoRoomError as error:
-                self._full = str(error)
-                return
+                if n == 1:
+                    self._full = str(error)
+                    return
+                # those that there is room for one at a time count
+                alone, give_up = True, self.engine.give_up
+                del self.engine  # its queue is of no more use
+                self.engine = make_engine(*self._what)
+                self.engine.give_up = give_up
+                continue
             yield chunk
             del chunk  # the next one is computed before the caller lets go of this one
             first += n

@@ -223,7 +223,9 @@ def refusal(
     )
 
 
-def no_room_for(cells: object, tally: Accumulator, look: Callable[[], Room | None] = room) -> str:
+def no_room_for(
+    cells: object, tally: Accumulator, look: Callable[[], Room | None] | None = None
+) -> str:
     """Say that sums cannot grow by a batch's cells; nothing where they can, or do not grow.
 
     Parameters
@@ -237,7 +239,7 @@ def no_room_for(cells: object, tally: Accumulator, look: Callable[[], Room | Non
     """
     if not isinstance(cells, SparseTally):
         return ""
-    left = look()
+    left = (look or room)()
     # a block is held twice while it grows, and all that is on the way is small beside a batch
     needed = SPARSE_CELL * len(cells.numbers) + _GROWING
     if left is None or left.left >= needed:
@@ -282,20 +284,25 @@ def check_memory(
     record: DeviceRecord | None,
     plan: ExecutionPlan | None,
     on_the_way: int = 0,
-    look: Callable[[], Room | None] = room,
-) -> None:
-    """Refuse a run that cannot fit, see `refusal`.
+    look: Callable[[], Room | None] | None = None,
+) -> ExecutionPlan | None:
+    """Return how a device is to run a scene, which is fewer batches at once where memory is short.
 
     Raises
     ------
     RunError
-        With the reason.
+        Where it cannot fit, with the reason, see `refusal`.
     """
     needs = Needs.of(compiled, record, plan, on_the_way)
     small = needs.most_at_a_time + needs.more < _PROGRAM
-    why = refusal(compiled, needs, record, None if small else look())
+    left = None if small else (look or room)()
+    why = refusal(compiled, needs, record, left)
+    if why and plan is not None and Sizes.of(compiled.tables, plan).slots > 1:
+        plan = plan.with_(wave_rays=compiled.settings.rays_per_batch)
+        why = refusal(compiled, Needs.of(compiled, record, plan, on_the_way), record, left)
     if why:
         raise RunError(why)
+    return plan
 
 
 def statement(
