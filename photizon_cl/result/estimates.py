@@ -65,7 +65,8 @@ class RunInfo:
         empty where an earlier version wrote the result.
     stopped : str
         What ended the last call: ``target``, ``batches``, ``time``, ``interrupt`` or ``memory`` (no
-        room for more rays that wait, or more sums); empty while it goes on, and in results of earlier versions.
+        room for more rays that wait, or more sums); empty while it goes on, and in results of
+        earlier versions.
     """
 
     device: str = ""

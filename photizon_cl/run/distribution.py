@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 from hostcode.device import capability
 from hostcode.device.device import (
@@ -14,10 +14,11 @@ from hostcode.device.device import (
     OpenDevice,
     choose,
     open_device,
-    preferred_lanes,
 )
+from hostcode.device.memory import room
 from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError, QueueFull
-from hostcode.program.plan import ExecutionPlan, default_plan
+from hostcode.program.plan import ExecutionPlan
+from hostcode.run.sizes import Sizes
 from hostcode.run.wavefront import Engine
 from photizon_cl.errors import ArgumentError, NoRoomError, RunError, show
 from photizon_cl.run.chunks import Chunk
@@ -70,6 +71,9 @@ class Runner(Protocol):
         """
         ...
 
+
+_NOTHING: Final = 1 << 26
+"""Bytes of buffers that are not worth a look at what is left."""
 
 # -- devices -----------------------------------------------------------------------------------
 
@@ -136,13 +140,40 @@ def make_engine(
         Where there is no such device, or the program or its buffers cannot be made.
     """
     opened = open_chosen(device)
-    with device_failures(opened.record.label):
-        return Engine(opened, tables, plan or usual_plan(opened.record, tables))
+    record = opened.record
+    plan = plan or usual_plan(record, tables)
+    _check_buffers(record, Sizes.of(tables, plan))
+    with device_failures(record.label):
+        return Engine(opened, tables, plan)
 
 
-def usual_plan(record: DeviceRecord, tables: DeviceTables) -> ExecutionPlan:
-    """Return how a device runs a scene where nobody says."""
-    return default_plan(record, preferred_lanes(record, tables.spec.effects))
+def _check_buffers(record: DeviceRecord, sizes: Sizes) -> None:
+    """Refuse what a device cannot hold: some runtimes end the process when they find out.
+
+    In a worker that is all that is looked at; elsewhere a run was looked at as a whole.
+
+    Raises
+    ------
+    NoRoomError
+        Where a buffer, or all of them, are too large.
+    """
+    (part, largest), total = sizes.largest, sizes.total()
+    left = room() if record.type == "cpu" and total > _NOTHING else None
+    why = ""
+    if largest > record.max_allocation:
+        most = record.max_allocation / 1e9
+        why = f"one of {largest / 1e9:.3g} GB, and it gives at most {most:.3g} GB"
+    elif total > record.global_memory:
+        why = f"buffers of {total / 1e9:.3g} GB, and it has {record.global_memory / 1e9:.3g} GB"
+    elif left is not None and total > left.left:
+        why = (
+            f"buffers of {total / 1e9:.3g} GB, and {left.left / 1e9:.3g} GB are left of {left.what}"
+        )
+    if why:
+        raise NoRoomError(
+            f"device {record.label} would need {why} (most for the {part}): `photizon check` says "
+            "what the scene takes"
+        )
 
 
 @contextmanager

@@ -22,10 +22,11 @@ from benchmarks.limits import endless
 from hostcode.device import memory as host_memory
 from hostcode.device.memory import Room, room
 from hostcode.run import queue, tally
+from hostcode.run.sizes import Sizes
 from photizon_cl.cli.main import main
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import NoRoomError, RunWarning
-from photizon_cl.run import batches, memory, workers
+from photizon_cl.run import batches, distribution, memory, workers
 from photizon_cl.run.distribution import open_chosen, usual_plan
 from photizon_cl.run.memory import Needs, human, refusal, statement
 
@@ -132,7 +133,7 @@ def line_of(error):
     [
         (8192, None, 1, 'take fewer bins in element[0].detector.map of "plate 0" (it is [8192, 81'),
         (0, 8192, 1, "lower far_field.n_mu and far_field.n_phi (they are 8192 and 8192)"),
-        (2048, None, 20, "with 19 other maps 83886080 bins)"),
+        (2048, None, 20, "with 19 other maps 8388608"),
         (4096, 8192, 2, "lower far_field.n_mu and far_field.n_phi (they are 8192 and 8192; with 2"),
     ],
 )
@@ -294,8 +295,6 @@ def test_a_system_that_does_not_tell(tmp_path, monkeypatch):
 
 def no_more_after(monkeypatch, n):
     """Have the queue be full in all batches from the n-th on, wherever they are traced."""
-    from photizon_cl.run import distribution
-
     usual = distribution.Engine.run
 
     def run(self, first, count):
@@ -329,6 +328,29 @@ def test_workers_without_room_for_a_single_batch_end_in_a_line(monkeypatch):
     with ThreadPoolExecutor(2) as pool, pytest.raises(pz.RunError) as caught:
         pz.trace(endless("glass in mirrors", 16), max_seconds=20.0, executor=pool)
     assert "set roulette_floor (1e-6, say)" in line_of(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "left", "said"),
+    [
+        (
+            {"max_allocation": 10**7},
+            None,
+            "one of 16 GB, and it gives at most 0.01 GB (most for the tally)",
+        ),
+        ({"global_memory": 10**7}, None, "and it has 0.01 GB (most for the tally)"),
+        ({}, 10**7, "and 0.01 GB are left of `ulimit -v` (most for the tally)"),
+    ],
+)
+def test_a_worker_looks_at_what_it_has(changes, left, said, monkeypatch):
+    made, record, plan = parts(scene(1500), **changes)
+    sizes = Sizes.of(made.tables, plan)
+    monkeypatch.setattr(
+        distribution, "room", lambda: None if left is None else Room(left, GB, "`ulimit -v`")
+    )
+    with pytest.raises(NoRoomError) as caught:
+        distribution._check_buffers(record, sizes)
+    assert said.replace("16 GB", f"{sizes.largest[1] / 1e9:.3g} GB") in line_of(caught.value)
 
 
 def test_the_error_of_a_worker_travels():
