@@ -14,10 +14,11 @@ from hostcode.device.device import (
     OpenDevice,
     choose,
     open_device,
+    preferred_lanes,
 )
 from hostcode.device.memory import room
 from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError, QueueFull
-from hostcode.program.plan import ExecutionPlan
+from hostcode.program.plan import default_plan
 from hostcode.run.sizes import Sizes
 from hostcode.run.wavefront import Engine
 from photizon_cl.errors import ArgumentError, NoRoomError, RunError, show
@@ -26,6 +27,7 @@ from photizon_cl.run.chunks import Chunk
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from hostcode.program.plan import ExecutionPlan
     from hostcode.run.tables import DeviceTables
     from photizon_cl.run.progress import Clock
 
@@ -38,6 +40,9 @@ __all__ = [
     "open_chosen",
     "usual_plan",
 ]
+
+_NOTHING: Final = 1 << 26
+"""Bytes of buffers that are not worth a look at what is left."""
 
 
 class Runner(Protocol):
@@ -71,9 +76,6 @@ class Runner(Protocol):
         """
         ...
 
-
-_NOTHING: Final = 1 << 26
-"""Bytes of buffers that are not worth a look at what is left."""
 
 # -- devices -----------------------------------------------------------------------------------
 
@@ -174,6 +176,11 @@ def _check_buffers(record: DeviceRecord, sizes: Sizes) -> None:
             f"device {record.label} would need {why} (most for the {part}): `photizon check` says "
             "what the scene takes"
         )
+
+
+def usual_plan(record: DeviceRecord, tables: DeviceTables) -> ExecutionPlan:
+    """Return how a device runs a scene where nobody says."""
+    return default_plan(record, preferred_lanes(record, tables.spec.effects))
 
 
 @contextmanager
