@@ -54,6 +54,9 @@ _MAP_BIN: Final = 4 * 8
 _FAR_BIN: Final = 3 * 8
 _DRAWN_BIN: Final = 2 * 8
 """Bytes of a bin while the largest map is written or drawn: values, masks, what is packed."""
+_QUADS: Final = 1 << 20
+_QUAD: Final = 140
+"""Bytes of each of the first 2^20 bins while they are drawn; more are drawn as a picture."""
 _WORDS: Final = {
     "tally": "the tally of a batch on the device",
     "copies": "copies of the tally on the device",
@@ -142,7 +145,7 @@ class Needs:
         end = {
             "sums": sums,
             "arrays": _MAP_BIN * sum(bins) + _FAR_BIN * far,
-            "files": _DRAWN_BIN * max(*bins, far, 0) + (0 if sparse else (_SUMS + 8) * n),
+            "files": _drawn(max(*bins, far, 0)) + (0 if sparse else (_SUMS + 8) * n),
         }
         device = {} if sizes is None else {name: sizes.total(name) for name in sizes.buffers}
         more = 0
@@ -167,6 +170,10 @@ class Needs:
     def most_at_a_time(self) -> int:
         """What this process takes at most at a time, all sums being as small as they may be."""
         return max(sum(self.tracing.values()), sum(self.at_the_end.values()))
+
+
+def _drawn(bins: int) -> int:
+    return _DRAWN_BIN * bins + _QUAD * min(bins, _QUADS)
 
 
 def human(size: float) -> str:

@@ -27,6 +27,7 @@ __all__ = [
     "Panel",
     "bin_axes",
     "colour_bar",
+    "dots",
     "hatch",
     "key",
     "own_axes",
@@ -43,8 +44,8 @@ _BELOW: Final = 0.48
 _ABOVE: Final = 0.28
 _TALLEST: Final = 6.2
 _LONG: Final = 5.0
-_MOST_QUADS: Final = 1 << 22
-_MOST_DOTS: Final = 1 << 11
+_MOST_QUADS: Final = 1 << 20
+_MOST_DOTS: Final = 1 << 10
 _MOST_VECTORS: Final = 1 << 14
 
 
@@ -122,10 +123,9 @@ def paint(
     norm: Normalize,
 ) -> Any:
     """Draw every bin of a masked array with the colour of its own value and no other's."""
-    if np.size(values) > _MOST_QUADS:
-        # As a picture: four numbers a corner would not fit into memory. Of more bins than there
-        # are dots on paper, one is drawn for each dot.
-        values = values[np.ix_(*map(_dots, np.shape(values)))]
+    if (len(x_edges) - 1) * (len(y_edges) - 1) > _MOST_QUADS:
+        # As a picture: four numbers a corner would not fit into memory.
+        values = dots(values)
         extent = (x_edges[0], x_edges[-1], y_edges[0], y_edges[-1])
         drawn: Any = axes.imshow(
             values, cmap=colours, norm=norm, extent=extent, origin="lower", aspect="auto",
@@ -140,10 +140,15 @@ def paint(
     return drawn
 
 
-def _dots(n: int) -> NDArray[np.int64]:
-    """Return which of n bins along an axis are drawn: all, or evenly many of them."""
-    m = min(n, _MOST_DOTS)
-    return (2 * np.arange(m, dtype=np.int64) + 1) * n // (2 * m)
+def dots(values: Any) -> Any:
+    """Return the bins of an array that are drawn: of more than there are dots on paper, one each."""
+    picked = []
+    for n in np.shape(values):
+        m = min(n, _MOST_DOTS)
+        picked.append((2 * np.arange(m, dtype=np.int64) + 1) * n // (2 * m))
+    if np.size(values) <= _MOST_QUADS or [len(p) for p in picked] == list(np.shape(values)):
+        return values
+    return values[np.ix_(*picked)]
 
 
 def flat(
