@@ -45,6 +45,8 @@ _SUMS: Final = 8 * (4 + 1 + 1 + 1)
 """Bytes of a cell's sums: limbs, count, mean, squares."""
 _BATCH: Final = 8 * CELL
 """Bytes of a cell of a batch on the host."""
+_WRITTEN: Final = 2 * (_SUMS + 8)
+"""Bytes that a cell's sums take more while they are written, of those that are held sparsely."""
 _LIT: Final = 2 * 8 * (CELL + 1) + 16
 """Bytes of a cell of a sparse batch: number and row, twice while powers are filled in."""
 _GROWING: Final = 64 << 20
@@ -96,7 +98,8 @@ class Needs:
     at_the_end : dict of str to int
         On the host when the result is there and is saved; the device's buffers have gone by then.
     more : int
-        What sums may grow by where all cells come to be lit; 0 where they do not grow.
+        What sums may grow by where all cells come to be lit, and writing them take; 0 where they
+        do not grow.
     waiting_more : int
         What rays that wait may take at most, where rays split.
     shared : bool
@@ -156,7 +159,7 @@ class Needs:
             largest_buffer=("", 0) if sizes is None else sizes.largest,
             while_running=running,
             at_the_end=end,
-            more=SPARSE_CELL * n if sparse else 0,
+            more=(SPARSE_CELL + _WRITTEN) * n if sparse else 0,
             waiting_more=more,
             shared=record is not None and record.type == "cpu",
         )
@@ -332,7 +335,7 @@ def statement(
         f"{_listed(needs.while_running)}, at the end {_listed(needs.at_the_end)}"
     )
     if needs.more:
-        text += f"; up to {human(needs.more)} more for sums as bins are lit"
+        text += f"; up to {human(needs.more)} more for sums, and to write them, as bins are lit"
     if needs.waiting_more:
         text += f"; up to {human(needs.waiting_more)} more for rays that wait"
     why = refusal(compiled, needs, record, left)
@@ -350,5 +353,5 @@ def on_usual_device(compiled: CompiledScene) -> str:
 
 
 def _listed(parts: dict[str, int]) -> str:
-    shown = [f"{_SHORT[name]} {human(size)}" for name, size in parts.items() if size]
+    shown = [f"{_SHORT[name]} {human(size)}" for name, size in parts.items() if size > 999]
     return f"{human(sum(parts.values()))} ({', '.join(shown)})" if shown else human(0)

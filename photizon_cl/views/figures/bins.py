@@ -141,7 +141,7 @@ def paint(
 
 
 def dots(values: Any) -> Any:
-    """Return the bins of an array that are drawn: of more than there are dots on paper, one each."""
+    """Return the bins of an array that are drawn: of more than dots on paper, one for each."""
     picked = []
     for n in np.shape(values):
         m = min(n, _MOST_DOTS)
