@@ -9,6 +9,7 @@ The tree::
     ├── ResultError (also ValueError)   2   a result directory or file cannot be used
     ├── RecipeError (also ValueError)   2   a recipe's token is not one, or cannot be used here
     └── RunError (also RuntimeError)    1   a run was started and failed
+        └── NoRoomError                 1   it has no memory to go on
 
 What goes wrong in a run that goes on all the same is a `RunWarning`.
 
@@ -134,6 +135,10 @@ class RecipeError(PhotizonError, ValueError):
 
 class RunError(PhotizonError, RuntimeError):
     """A run was started and could not be finished."""
+
+
+class NoRoomError(RunError):
+    """A run has no memory to go on; batches that are whole count."""
 
 
 class RunWarning(UserWarning):

@@ -11,8 +11,9 @@ from hostcode.program.build import build
 from hostcode.program.fields import of_type
 from hostcode.run.probe import apart
 from hostcode.run.queue import Queue
+from hostcode.run.readout import read_dense, read_sparse
 from hostcode.run.tables import launch_of
-from hostcode.run.tally import CELL, canonical
+from hostcode.run.tally import CELL, SparseTally, is_sparse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -43,7 +44,7 @@ class RawPaths:
         The segment that one continues counts within all of `ray`.
     cut : ndarray, shape (rays,), bool
         Which rays were not followed to their ends.
-    cells : ndarray, shape (n_cells, 4), int64
+    cells : ndarray, shape (n_cells, 4), int64, or SparseTally
         The ledger's part of the batch's tally, as the device gives it, see `hostcode.run.tally`.
     """
 
@@ -51,7 +52,7 @@ class RawPaths:
     reals: NDArray[np.float64]
     wholes: NDArray[np.int64]
     cut: NDArray[np.bool_]
-    cells: NDArray[np.int64]
+    cells: NDArray[np.int64] | SparseTally
 
 
 def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> RawPaths:
@@ -96,8 +97,8 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
     launch = launch_of(tables, slots=1, stack_capacity=stack, record_capacity=max_segments)
     launch_buffer = allocate(launch.nbytes // 8)
     scene = [upload(a) for a in (tables.geometry, tables.materials, tables.sources, tables.codes)]
-    cells = np.zeros((tables.n_cells, CELL), np.int64)
-    tally = cl.Buffer(device.context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=cells)
+    tally = allocate(CELL * tables.n_cells)
+    cl.enqueue_fill_buffer(device.queue, tally, np.zeros(1, np.int64), 0, tally.size)
     queue = Queue(device, spec, at_once, stack)
     parents, counts_buffer = allocate(at_once * stack), allocate(2 * at_once)
     reals_buffer = allocate(REALS * at_once * max_segments)
@@ -125,7 +126,11 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
         ray = np.repeat(np.arange(first, first + m), counts[:, 0])
         found.append((ray, reals[used], wholes[used], counts[:, 1] > 0))
         behind += len(ray)
-    cl.enqueue_copy(device.queue, cells, tally)
+    cells: NDArray[np.int64] | SparseTally
+    if is_sparse(tables.n_cells):
+        cells = read_sparse(device, tally, tables.n_cells, None)
+    else:
+        cells = read_dense(device, tally, 1, tables.n_cells, None)[0]
     program.keep()
     ray, reals, wholes, cut = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return RawPaths(ray, reals, wholes, cut, canonical(cells))
+    return RawPaths(ray, reals, wholes, cut, cells)

@@ -13,7 +13,7 @@ from hostcode.program.structs import ITEM, numpy_dtype
 if TYPE_CHECKING:
     import pyopencl as cl
 
-    from hostcode.device.device import OpenDevice
+    from hostcode.device.device import DeviceRecord, OpenDevice
     from hostcode.program.spec import ProgramSpec
 
 __all__ = ["BUDGET", "Queue"]
@@ -28,6 +28,15 @@ _FEWER: Final = (
     "more rays split off than may wait; set roulette_floor (1e-6, say), or lower generation_cap or "
     "rays_per_batch"
 )
+
+
+def _layout(spec: ProgramSpec) -> tuple[tuple[int, Any], ...]:
+    """Return how many fields each buffer holds of a ray, and of which type."""
+    return (
+        (len(of_type(spec.ray_fields, "real")), np.float64),
+        (len(of_type(spec.ray_fields, "word")), np.uint32),
+        (len(of_type(spec.ray_fields, "long", "ulong")), np.int64),
+    )
 
 
 class Queue:
@@ -50,14 +59,8 @@ class Queue:
 
         self._cl, self._device, self._spec = cl, device, spec
         self.n_items, self.capacity = n_items, capacity
-        self.budget = BUDGET
-        if device.record.type == "gpu":  # its memory is no one else's
-            self.budget = max(BUDGET, device.record.global_memory // _PART)
-        self._layout: tuple[tuple[int, Any], ...] = (
-            (len(of_type(spec.ray_fields, "real")), np.float64),
-            (len(of_type(spec.ray_fields, "word")), np.uint32),
-            (len(of_type(spec.ray_fields, "long", "ulong")), np.int64),
-        )
+        self.budget = self.budget_of(device.record)
+        self._layout = _layout(spec)
         size = n_items * numpy_dtype(ITEM).itemsize
         self.items = cl.Buffer(device.context, cl.mem_flags.READ_WRITE, size)
         self._check(capacity)
@@ -68,6 +71,18 @@ class Queue:
         """Return how much memory a waiting ray takes."""
         fields = spec.ray_fields
         return 8 * len(of_type(fields, "real", "long", "ulong")) + 4 * len(of_type(fields, "word"))
+
+    @staticmethod
+    def budget_of(record: DeviceRecord) -> int:
+        """Return the bytes that waiting rays may take on a device."""
+        if record.type == "gpu":  # its memory is no one else's
+            return max(BUDGET, record.global_memory // _PART)
+        return BUDGET
+
+    @staticmethod
+    def sizes(spec: ProgramSpec, places: int) -> tuple[int, ...]:
+        """Return the bytes of the buffers that so many waiting rays take."""
+        return tuple(n * places * np.dtype(dtype).itemsize for n, dtype in _layout(spec))
 
     @property
     def places(self) -> int:
@@ -86,9 +101,7 @@ class Queue:
         QueueFull
             Where they are larger than a buffer or the budget may be.
         """
-        sizes = [
-            n * self.n_items * capacity * np.dtype(dtype).itemsize for n, dtype in self._layout
-        ]
+        sizes = self.sizes(self._spec, self.n_items * capacity)
         record = self._device.record
         if max(sizes) <= record.max_allocation and sum(sizes) <= self.budget:
             return

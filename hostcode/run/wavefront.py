@@ -16,16 +16,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.errors import Abandoned, HostError
+from hostcode.errors import Abandoned
 from hostcode.program.build import Program, build
-from hostcode.program.fields import of_type
 from hostcode.program.structs import ITEM, LAUNCH, STATUS, numpy_dtype
 from hostcode.run.queue import Queue
+from hostcode.run.readout import read_dense, read_sparse
+from hostcode.run.sizes import LEAST, Sizes, hit_sizes
 from hostcode.run.tables import launch_of
-from hostcode.run.tally import CELL, canonical
+from hostcode.run.tally import is_sparse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     import pyopencl as cl
     from numpy.typing import NDArray
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from hostcode.device.device import OpenDevice
     from hostcode.program.plan import ExecutionPlan
     from hostcode.run.tables import DeviceTables
+    from hostcode.run.tally import SparseTally
 
 __all__ = ["BatchTally", "Engine", "EngineStatistics"]
 
@@ -45,19 +47,11 @@ _EVENTS_BEFORE_FLUSH: Final = 1 << 30
 """Interactions after which the limbs are read: 2^31 pieces of 2^32 fill a 64-bit sum. Escapes
 are not counted: there is at most one for each interaction or launched ray, and a batch has at most
 2^24 of those."""
-_FULLEST: Final = 2.0**62
-"""Units of 2^-31 launched weights that a batch's cells may hold together."""
-_TALLY_BYTES: Final = 256 << 20
-"""Device memory that the slots' tallies may take."""
 _FIRST_STEPS: Final = 1 << 14
 """Steps of a packet in the first launch; then they follow how long launches take."""
 _LAUNCH_SECONDS: Final = (0.05, 0.2)
 """A launch shorter than the first has twice the steps next time, one longer than the second half.
 Between launches a run may be given up."""
-_WAITING_BYTES: Final = 64 << 20
-"""Device memory for waiting rays at first, where it is enough; it grows when more wait."""
-_COPIES_BYTES: Final = 64 << 20
-"""Device memory that the tally stage's own copies may take."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,12 +62,12 @@ class BatchTally:
     ----------
     batch : int
         Its number in the stream.
-    cells : ndarray, shape (n_cells, 4), int64
-        Canonical limbs and counts, see `hostcode.run.tally`.
+    cells : ndarray, shape (n_cells, 4), int64, or SparseTally
+        Canonical limbs and counts, see `hostcode.run.tally`; sparse where there are very many.
     """
 
     batch: int
-    cells: NDArray[np.int64]
+    cells: NDArray[np.int64] | SparseTally
 
 
 @dataclass
@@ -114,8 +108,8 @@ class Engine:
         self.give_up: Callable[[], bool] | None = None
         """Asked between launches: whether the batches in flight are to be abandoned."""
         self._rays_per_batch = int(tables.launch["rays_per_batch"])
-        self._slots = self._count_slots()
-        self._copies = self._count_copies()
+        self.sizes = sizes = Sizes.of(tables, plan)
+        self._slots, self._copies, self._items = sizes.slots, sizes.copies, sizes.items
         spec = tables.spec.for_device(
             plan.lanes,
             _STAGES[plan.composition],
@@ -127,8 +121,7 @@ class Engine:
         self._programs = [self.program]
         if spec.records:
             self._programs.append(build(device, spec.for_tally()))
-        self._items = self._count_items()
-        self._queue = Queue(device, spec, self._items, self._stack_capacity())
+        self._queue = Queue(device, spec, self._items, sizes.capacity)
         allocate, upload = self._allocate, self._upload
         self._scene = [
             upload(a) for a in (tables.geometry, tables.materials, tables.sources, tables.codes)
@@ -137,23 +130,21 @@ class Engine:
         self._edges = upload(tables.edges)
         self._launch_buffer = allocate(numpy_dtype(LAUNCH + spec.launch_members).itemsize)
         self._status = allocate(8 * len(STATUS))
-        self._tally = allocate(8 * CELL * tables.n_cells * self._slots)
+        (tally,) = sizes.buffers["tally"]
+        self._tally = allocate(tally)
         self._tally_copies = allocate(self._copies * self._tally.size)
         self._steps = min(_FIRST_STEPS, plan.max_bounces)
         self._clean = False  # whether nothing of an earlier run is left in the tally's copies
-        self._record_capacity = self._count_records() if spec.records else 0
-        records = self._items * self._record_capacity
-        self._records = (
-            allocate(8 * len(of_type(spec.ending_fields, "real")) * records),
-            allocate(4 * len(of_type(spec.ending_fields, "word")) * records),
-        )
+        self._record_capacity = sizes.records
+        reals, words = sizes.buffers["records"]
+        self._records = (allocate(reals), allocate(words))
         self._hits = self._allocate_hits()
         self._bind()
         self.build_seconds = sum(p.build_seconds for p in self._programs) + self._warm_up()
 
     def _allocate(self, size: int) -> cl.Buffer:
         flags = self._cl.mem_flags.READ_WRITE
-        return self._cl.Buffer(self.device.context, flags, max(int(size), 64))
+        return self._cl.Buffer(self.device.context, flags, max(int(size), LEAST))
 
     def _upload(self, array: NDArray[Any]) -> cl.Buffer:
         flags = self._cl.mem_flags.READ_ONLY | self._cl.mem_flags.COPY_HOST_PTR
@@ -163,59 +154,8 @@ class Engine:
 
     def _allocate_hits(self) -> tuple[cl.Buffer, cl.Buffer]:
         """Return buffers for what the search finds, where that is a stage of its own."""
-        places = self._queue.places if self.plan.composition == "classical" else 0
-        fields = self.tables.spec.hit_fields
-        reals = sum(field.type == "real" for field in fields)
-        return self._allocate(8 * reals * places), self._allocate(
-            8 * (len(fields) - reals) * places
-        )
-
-    # -- sizes ---------------------------------------------------------------------------------
-
-    def _count_slots(self) -> int:
-        memory = max(_TALLY_BYTES // (8 * CELL * self.tables.n_cells), 1)
-        return max(min(self.plan.wave_rays // self._rays_per_batch, memory), 1)
-
-    def _count_copies(self) -> int:
-        """Tallies that the tally stage keeps without atomics, 0 where they would take too much."""
-        copies = self.plan.tally_copies if self.tables.spec.records else 0
-        size = 8 * CELL * self.tables.n_cells * self._slots
-        return copies if copies * size <= _COPIES_BYTES else 0
-
-    def _wave_rays(self) -> int:
-        """Rays of one wave: whole batches, or a part of one."""
-        if self._slots > 1:
-            return self._slots * self._rays_per_batch
-        return min(self.plan.wave_rays, self._rays_per_batch)
-
-    def _count_items(self) -> int:
-        rays = self._wave_rays()
-        if self.plan.composition == "whole-path":
-            return rays
-        per_slot = max(min(self.plan.items, rays) // self._slots, 1)
-        return per_slot * self._slots
-
-    def _rays_per_item(self) -> int:
-        return math.ceil(self._wave_rays() / self._items)
-
-    def _stack_capacity(self) -> int:
-        splitting = self.tables.spec.splits
-        if self.plan.composition == "classical":
-            lanes = self.plan.lanes
-            rays = math.ceil(self._rays_per_item() / lanes) * lanes
-            return 2 * rays + lanes if splitting else rays
-        most = _WAITING_BYTES // (self._items * Queue.bytes_of_a_ray(self.tables.spec))
-        if self.plan.composition == "whole-path":
-            return max(min(self.plan.stack_rays, most), 4) if splitting else 1
-        if not splitting:
-            return self.plan.lanes
-        return max(min(self.plan.stack_rays, most), 4 * self.plan.lanes)
-
-    def _count_records(self) -> int:
-        lanes, rays = self.plan.lanes, self._rays_per_item()
-        if self.tables.spec.splits:
-            return max(2 * rays, 4 * lanes)
-        return max(rays + lanes, 2 * lanes)
+        reals, wholes = hit_sizes(self.tables, self.plan, self._queue.places)
+        return self._allocate(reals), self._allocate(wholes)
 
     # -- kernels -------------------------------------------------------------------------------
 
@@ -331,13 +271,13 @@ class Engine:
         """How many batches are in flight together."""
         return self._slots
 
-    def _run_slots(self, first_batch: int, slots: int) -> NDArray[np.int64]:
+    def _run_slots(self, first_batch: int, slots: int) -> Sequence[NDArray[np.int64] | SparseTally]:
         self._write_launch(first_batch)
         self._clear(self._tally)
         if not self._clean:
             self._clear(self._tally_copies)
         self._clean = False
-        total = np.zeros((slots, self.tables.n_cells, CELL), np.int64)
+        total: Any = None
         events = 0
         for items in self._waves(slots):
             self.statistics.waves += 1
@@ -349,7 +289,7 @@ class Engine:
                 self.statistics.interactions += interactions
                 events += interactions + passed
                 if events > _EVENTS_BEFORE_FLUSH:
-                    total = self._flush(total)
+                    total = self._read(slots, total)
                     self._clear(self._tally)
                     events = 0
                 if not unfinished:
@@ -360,9 +300,9 @@ class Engine:
                     self._grow(first_batch)
                 elif self._adapt(took):
                     self._write_launch(first_batch)
-        total = self._flush(total)
+        tallies: Sequence[NDArray[np.int64] | SparseTally] = self._read(slots, total)
         self._clean = True
-        return total
+        return tallies
 
     def _adapt(self, took: float) -> bool:
         """Choose how many steps the next launch has; say whether that is another number."""
@@ -389,7 +329,7 @@ class Engine:
                 part["slot"], part["next"], part["end"] = slot, bounds[:-1], bounds[1:]
             yield items
             return
-        wave = self._wave_rays()
+        wave = self.sizes.wave_rays
         for start in range(0, rays, wave):
             count = min(wave, rays - start)
             bounds = start + np.arange(self._items + 1, dtype=np.int64) * count // self._items
@@ -428,17 +368,10 @@ class Engine:
         zero = np.zeros(1, np.int64)
         self._cl.enqueue_fill_buffer(self.device.queue, buffer, zero, 0, buffer.size)
 
-    def _flush(self, total: NDArray[np.int64]) -> NDArray[np.int64]:
-        part = np.empty_like(total)
+    def _read(self, slots: int, before: Any) -> Any:
+        """Return what the slots' tallies hold, with what was read of them before."""
         self._launch_merge()
-        self._cl.enqueue_copy(self.device.queue, part, self._tally)
-        flat = canonical((total + part).reshape(-1, CELL))
-        total = flat.reshape(total.shape)
-        # far below the overflow, which what rays pass many times could reach without a word
-        if np.abs(total[:, :, 0], dtype=np.float64).sum(axis=1).max() > _FULLEST:
-            raise HostError(
-                "a batch's tally holds more than 2^31 launched weights: what rays pass or meet "
-                "very often filled it, or an effect counts numbers beyond 4 at once; take fewer "
-                "rays_per_batch or a lower generation_cap, or give the effect a scale"
-            )
-        return total
+        n_cells = self.tables.n_cells
+        if is_sparse(n_cells):
+            return [read_sparse(self.device, self._tally, n_cells, before[0] if before else None)]
+        return read_dense(self.device, self._tally, slots, n_cells, before)

@@ -9,6 +9,7 @@ from photizon_cl.cli.arguments import add_scene, load_scene
 if TYPE_CHECKING:
     import argparse
 
+    from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.scene.described import Described
     from photizon_cl.scene.model import Scene
 
@@ -46,6 +47,7 @@ def _print(scene: Scene) -> None:
     line(f"run: {_describe(scene.run)}")
     if scene.far_field is not None:
         line(f"far field: {_describe(scene.far_field)}; {_derived(scene.far_field)}")
+    line(f"memory: {_memory(compiled)}")
     out.print()
     out.print(Text("sources", "bold"))
     for source, rays in zip(scene.source, compiled.rays_of_source, strict=True):
@@ -95,6 +97,13 @@ def _pilot(scene: Scene) -> tuple[str, list[str]]:
         return f"pilot: none was traced: {error}", []
     advice = found.before(scene.run.rays_per_batch)
     return f"pilot: {found}", [advice] if advice else []
+
+
+def _memory(compiled: CompiledScene) -> str:
+    """Say what a run takes on the device that it would have."""
+    from photizon_cl.run.memory import on_usual_device
+
+    return on_usual_device(compiled)
 
 
 def _number(value: object) -> str:

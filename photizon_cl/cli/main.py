@@ -212,6 +212,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         _tell(f"photizon: the output cannot be written ({error.strerror})")
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+    except MemoryError:  # where others took what was there when it was looked
+        _tell("photizon: no memory is left for this; `photizon check SCENE` says what a run takes")
+        return 1
     except KeyboardInterrupt:
         _tell("interrupted")
         return 1

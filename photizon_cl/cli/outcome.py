@@ -28,7 +28,7 @@ _MOST_TALLIED: Final = 10
 _STOPPED: Final = {
     "interrupt": "by Ctrl-C or another signal",
     "time": "by max_seconds",
-    "memory": "as no more rays may wait",
+    "memory": "as there was no more memory for it",
 }
 """What ends a run before its goal."""
 

@@ -66,7 +66,8 @@ class RunInfo:
         empty where an earlier version wrote the result.
     stopped : str
         What ended the last call: ``target``, ``batches``, ``time``, ``interrupt`` or ``memory`` (no
-        more rays could wait); empty while it goes on, and in results of earlier versions.
+        room for more rays that wait, or more sums); empty while it goes on, and in results of
+        earlier versions.
     pilot : Pilot or None
         What a pilot found, traced where power reached the generation cap; None where none was.
     """

@@ -132,6 +132,9 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
     )
     if info.pilot is not None:
         made.attrs["pilot"] = info.pilot.text()
+    if state.cells is not None:  # of very many cells, those that are not zero
+        about = {"long_name": "which cells these are; all others are zero"}
+        made["cells"] = (("cell",), state.cells, about)
     # only where there are any: files of scenes without are what they always were
     labelled = result.compiled.layout.labelled
     if labelled:
@@ -247,6 +250,7 @@ def _read(path: Path) -> Estimates:
         integer(attrs["batches"], "batches"),
         **{name: arrays[name] for name in _STATE},
         digest=bytes.fromhex(attrs["digest"]),
+        cells=arrays.get("cells"),
     )
     tally = Accumulator.of(compiled.layout, state)
     info = read_info(attrs, arrays)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final, Self
 
-from hostcode.run.tally import UNIT_EXPONENT, exact
+from hostcode.run.tally import UNIT_EXPONENT, exact, some_of, whole_of
 from photizon_cl.compile.layout import ROWS
 from photizon_cl.errors import RunError
 from photizon_cl.result.statistics import exact_sum
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from hostcode.run.tally import SparseTally
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.result.statistics import Accumulator
@@ -184,15 +185,18 @@ class Ledger:
         """
         layout = compiled.layout
         totals = [tally.exact(cell) for cell in range(layout.n_rows)]
-        errors = tally.standard_error() * compiled.unit_power
+        errors = tally.standard_error(0, layout.n_rows) * compiled.unit_power
+        of_balance = tally.standard_error(layout.n_cells, 1) * compiled.unit_power
         known = tally.batches > 1
 
-        def row(total: int, error: int) -> Estimate:
-            sigma = float(errors[error]) if known else None
+        def row(total: int, error: float) -> Estimate:
+            sigma = float(error) if known else None
             return Estimate(watts(compiled, total, tally.batches), sigma)
 
         elements = enumerate(compiled.scene.element)
-        absorbed = Table("ledger.absorbed", ((e.name, row(totals[n], n)) for n, e in elements))
+        absorbed = Table(
+            "ledger.absorbed", ((e.name, row(totals[n], errors[n])) for n, e in elements)
+        )
         balance = totals[layout.killed] - totals[layout.boosted]
         emitted = compiled.emitted * tally.batches
         n = layout.n_elements
@@ -200,19 +204,19 @@ class Ledger:
         return cls(
             emitted=Estimate(watts(compiled, emitted, tally.batches), 0.0 if known else None),
             absorbed=absorbed,
-            escaped=row(totals[layout.escaped], layout.escaped),
+            escaped=row(totals[layout.escaped], errors[layout.escaped]),
             roulette=Roulette(
-                row(totals[layout.killed], layout.killed),
-                row(totals[layout.boosted], layout.boosted),
-                row(balance, layout.n_cells),
+                row(totals[layout.killed], errors[layout.killed]),
+                row(totals[layout.boosted], errors[layout.boosted]),
+                row(balance, of_balance[0]),
             ),
-            depth_capped=row(totals[layout.depth_capped], layout.depth_capped),
+            depth_capped=row(totals[layout.depth_capped], errors[layout.depth_capped]),
             closure=watts(compiled, emitted - accounted, tally.batches),
             worst_closure=watts(compiled, worst, 1),
             others=Table(
                 "ledger.others",
                 (
-                    (item.title, row(item.sign * totals[cell], cell))
+                    (item.title, row(item.sign * totals[cell], errors[cell]))
                     for cell, item in enumerate(layout.rows, n)
                     if item not in ROWS
                 ),
@@ -270,7 +274,7 @@ def _accounted(layout: TallyLayout, absorbed: int, others: Sequence[int]) -> int
     return absorbed + sum(row.sign * amount for row, amount in pairs)
 
 
-def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -> int:
+def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64] | SparseTally) -> int:
     """Check a batch's ledger and return |closure| in units of 2^-95 launched weights.
 
     Parameters
@@ -279,7 +283,7 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -
         What the cells mean.
     batch : int
         Number of the batch, for the message.
-    cells : ndarray, shape (n_cells, 4), int64
+    cells : ndarray, shape (n_cells, 4), int64, or SparseTally
         Its completed tally.
 
     Raises
@@ -290,8 +294,8 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -
     """
     layout = compiled.layout
     n = layout.n_elements
-    absorbed, _ = exact_sum(cells[:n])
-    others = exact(cells[n : layout.n_rows])
+    absorbed, _ = exact_sum(some_of(cells, 0, n))
+    others = exact(whole_of(cells, n, layout.n_rows - n))
     closure = abs(compiled.emitted - _accounted(layout, absorbed, others))
     if closure > CLOSURE_LIMIT * compiled.emitted:
         part = float(Fraction(closure, compiled.emitted))
@@ -301,8 +305,8 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -
         )
     n_bins = layout.n_mu * layout.n_phi
     if n_bins:
-        bins, _ = exact_sum(cells[layout.far_field : layout.far_field + n_bins])
-        (escaped,) = exact(cells[layout.escaped : layout.escaped + 1])
+        bins, _ = exact_sum(some_of(cells, layout.far_field, n_bins))
+        (escaped,) = exact(whole_of(cells, layout.escaped, 1))
         if bins != escaped:
             part = float(Fraction(bins - escaped, compiled.emitted))
             raise RunError(
@@ -310,7 +314,7 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64]) -
                 f"{part:.3e} of the emitted power): {_DEFECT}"
             )
     for d in layout.detectors:
-        power, taken = exact(cells[[d.power, d.element]])
+        (power,), (taken,) = (exact(whole_of(cells, at, 1)) for at in (d.power, d.element))
         element = compiled.scene.element[d.element]
         # what passes is not taken, and passes as often as it comes
         if power < 0 or (element.surface.counts and power > taken):

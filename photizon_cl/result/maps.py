@@ -190,15 +190,19 @@ class IrradianceMap:
         n = d.nx * d.ny
         bins = element.map_bins(d.nx, d.ny)
         area = bins.areas
-        here = np.where(area == 0.0, np.nan, area)
-        power = tally.mean(d.map, n).reshape(shape) * compiled.unit_power
-        error = tally.standard_error(d.map, n).reshape(shape) * compiled.unit_power
-        with np.errstate(over="ignore"):  # the largest power on the least bin: it is infinite
-            irradiance, sigma = power / here, error / here
+        none = np.equal(area, 0.0)
+        irradiance = tally.mean(d.map, n).reshape(shape)
+        sigma = tally.standard_error(d.map, n).reshape(shape)
+        # the largest power on the least bin is infinite, and where there is no area it is nothing
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            for values in (irradiance, sigma):  # in place: they may take half a gigabyte each
+                values *= compiled.unit_power
+                values /= area
+                values[none] = np.nan
         return cls(
             irradiance,
             sigma,
-            tally.count[d.map : d.map + n].reshape(shape).copy(),
+            tally.counts(d.map, n).reshape(shape).copy(),
             area,
             bins,
         )
@@ -245,12 +249,13 @@ class DetectorResult:
 
         def estimates(first: int, n: int) -> list[Estimate]:
             errors = tally.standard_error(first, n) * compiled.unit_power
+            counts = tally.counts(first, n)
             known = tally.batches > 1
             return [
                 Estimate(
                     watts(compiled, tally.exact(first + k), tally.batches),
                     float(errors[k]) if known else None,
-                    int(tally.count[first + k]),
+                    int(counts[k]),
                 )
                 for k in range(n)
             ]
@@ -315,11 +320,14 @@ class FarFieldResult:
         first = compiled.layout.far_field
         n_mu, n_phi = settings.n_mu, settings.n_phi
         shape, n = (n_mu, n_phi), n_mu * n_phi
-        watts_per_sr = compiled.unit_power / settings.solid_angle
+        intensity = tally.mean(first, n).reshape(shape)
+        sigma = tally.standard_error(first, n).reshape(shape)
+        for values in (intensity, sigma):  # in place: they may take half a gigabyte each
+            values *= compiled.unit_power / settings.solid_angle
         return cls(
-            tally.mean(first, n).reshape(shape) * watts_per_sr,
-            tally.standard_error(first, n).reshape(shape) * watts_per_sr,
-            tally.count[first : first + n].reshape(shape).copy(),
+            intensity,
+            sigma,
+            tally.counts(first, n).reshape(shape).copy(),
             settings.solid_angle,
             (2 * np.arange(n_mu + 1) - n_mu) / n_mu,
             2.0 * np.pi * np.arange(n_phi + 1) / n_phi,

@@ -20,6 +20,7 @@ from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.ledger import CLOSURE_LIMIT
 from photizon_cl.result.pilot import Pilot
 from photizon_cl.result.stopping import Goal
+from photizon_cl.result.sums import totals_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -65,6 +66,13 @@ def check_shapes(variables: Mapping[str, Any], layout: TallyLayout, file_bytes: 
     ValueError
         Where they are not.
     """
+    n = layout.n_cells
+    sparse = "cells" in variables
+    if sparse:  # of very many cells a file has those that are not zero
+        cells = variables["cells"]
+        if len(cells.shape) != 1 or cells.shape[0] > n or np.dtype(cells.dtype) != np.dtype("i8"):
+            raise ValueError(f"its cells are none of {n}")
+        n = int(cells.shape[0])
     for name, kind, ends in (
         ("limbs", "i8", (4,)), ("count", "i8", ()), ("mean", "f8", ()), ("m2", "f8", ()),
     ):  # fmt: skip
@@ -73,8 +81,8 @@ def check_shapes(variables: Mapping[str, Any], layout: TallyLayout, file_bytes: 
         found = variables[name]
         more = 1 if kind == "f8" else 0  # the roulette balance has an error of its own
         # the first version had no cell of its own for interactions
-        lengths = (layout.n_cells + more, layout.n_cells + more - 1)
-        fits = tuple(found.shape) in [(n, *ends) for n in lengths]
+        lengths = (n + more,) if sparse else (n + more, n + more - 1)
+        fits = tuple(found.shape) in [(length, *ends) for length in lengths]
         if not fits or np.dtype(found.dtype) != np.dtype(kind):
             raise ValueError(
                 f"its {name} are {found.dtype} of the shape {tuple(found.shape)}, and its scene "
@@ -212,7 +220,7 @@ def check_tally(
             raise ValueError("its limbs are not canonical")
         if (state.count[part] < 0).any():
             raise ValueError("it has negative counts")
-        exact = tally.mean(first, min(_BLOCK, n - first))
+        exact = totals_of(limbs) / batches
         if (exact < least).any():
             raise ValueError("it has negative powers")
         scatter = np.sqrt(np.maximum(state.m2[:n][part], 0.0))

@@ -14,11 +14,21 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from hostcode.run.tally import CELL, UNIT_EXPONENT, canonical, values
+from hostcode.run.tally import (
+    BLOCK,
+    CELL,
+    SparseTally,
+    canonical,
+    is_sparse,
+    some_of,
+    values,
+    whole_of,
+)
 from photizon_cl.errors import RunError
+from photizon_cl.result.sums import TOTAL_LIMBS, DenseSums, SparseSums, Sums, welford
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -28,10 +38,6 @@ __all__ = ["LIT_COUNT", "Accumulator", "AccumulatorState", "complete", "exact_su
 
 LIT_COUNT: Final = 10
 """Arrivals from which on a bin counts as lit, and below which it is hatched."""
-
-_LOW: Final = np.int64(0xFFFFFFFF)
-_TOTAL_LIMBS: Final = 4
-"""A total has one limb more than a batch: 2^48 rays of weight 1 pass 2^63 units of 2^-31."""
 
 
 def exact_sum(cells: NDArray[np.int64]) -> tuple[int, int]:
@@ -46,7 +52,9 @@ def exact_sum(cells: NDArray[np.int64]) -> tuple[int, int]:
     return (a << 64) + (b << 32) + c, count
 
 
-def complete(layout: TallyLayout, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def complete(
+    layout: TallyLayout, cells: NDArray[np.int64] | SparseTally
+) -> NDArray[np.int64] | SparseTally:
     """Fill the power cells that a device leaves to the host.
 
     Where a detector has tallies, each arrival is in exactly one cell of each, and the device counts
@@ -56,12 +64,12 @@ def complete(layout: TallyLayout, cells: NDArray[np.int64]) -> NDArray[np.int64]
     ----------
     layout : TallyLayout
         Meaning of the cells.
-    cells : ndarray, shape (n_cells, 4), int64
+    cells : ndarray, shape (n_cells, 4), int64, or SparseTally
         A batch's tally in canonical form.
 
     Returns
     -------
-    ndarray, shape (n_cells, 4), int64
+    ndarray, shape (n_cells, 4), int64, or SparseTally
         In canonical form; the argument itself where there is nothing to fill.
 
     Raises
@@ -72,9 +80,9 @@ def complete(layout: TallyLayout, cells: NDArray[np.int64]) -> NDArray[np.int64]
     partial = [d for d in layout.detectors if d.tallies]
     if not partial:
         return cells
-    out = cells.copy()
+    powers: dict[int, NDArray[np.int64]] = {}
     for d in partial:
-        first, *others = (out[t.first : t.first + t.size] for t in d.tallies)
+        first, *others = (some_of(cells, t.first, t.size) for t in d.tallies)
         for tally, parts in zip(d.tallies[1:], others, strict=True):
             if exact_sum(parts) != exact_sum(first):
                 raise RunError(
@@ -82,8 +90,12 @@ def complete(layout: TallyLayout, cells: NDArray[np.int64]) -> NDArray[np.int64]
                     f"{d.element} disagree in a batch: this is a defect of the engine; please "
                     "report it with the scene file"
                 )
-        out[d.power] = first.sum(axis=0)
-        out[d.power : d.power + 1] = canonical(out[d.power : d.power + 1])
+        powers[d.power] = canonical(first.sum(axis=0)[np.newaxis])[0]
+    if isinstance(cells, SparseTally):
+        return cells.with_cells(powers)
+    out = cells.copy()
+    for cell, power in powers.items():
+        out[cell] = power
     return out
 
 
@@ -104,6 +116,8 @@ class AccumulatorState:
         Welford's running mean and sum of squared deviations, in launched weights.
     digest : bytes
         The chained SHA-256, 32 bytes.
+    cells : ndarray, shape (m,), int64, or None
+        The only cells that have rows above where they are not all, ascending; all others are zero.
     """
 
     batches: int
@@ -112,6 +126,7 @@ class AccumulatorState:
     mean: NDArray[np.float64]
     m2: NDArray[np.float64]
     digest: bytes
+    cells: NDArray[np.int64] | None = None
 
 
 class Accumulator:
@@ -139,18 +154,17 @@ class Accumulator:
         self.differences = tuple(differences)
         self.counted_in = counted_in
         self.batches = 0
-        self._limbs = np.zeros((n_cells, _TOTAL_LIMBS), np.int64)
-        self._count = np.zeros(n_cells, np.int64)
-        self._mean = np.zeros(n_cells + len(self.differences))
-        self._m2 = np.zeros(n_cells + len(self.differences))
+        self._sums: Sums = SparseSums(n_cells) if is_sparse(n_cells) else DenseSums(n_cells)
+        self._difference_mean = np.zeros(len(self.differences))
+        self._difference_m2 = np.zeros(len(self.differences))
         self._digest = bytes(32)
 
-    def add(self, cells: NDArray[np.int64]) -> None:
+    def add(self, cells: NDArray[np.int64] | SparseTally) -> None:
         """Add the next batch.
 
         Parameters
         ----------
-        cells : ndarray, shape (n_cells, 4), int64
+        cells : ndarray, shape (n_cells, 4), int64, or SparseTally
             Its completed tally in canonical form.
 
         Raises
@@ -158,57 +172,73 @@ class Accumulator:
         ValueError
             If the shape is another one.
         """
-        if cells.shape != (self.n_cells, CELL):
+        if isinstance(cells, SparseTally):
+            if cells.n_cells != self.n_cells:
+                raise ValueError(f"{cells.n_cells} cells, expected {self.n_cells}")
+            if isinstance(self._sums, DenseSums):
+                cells = cells.whole()
+        elif cells.shape != (self.n_cells, CELL):
             raise ValueError(f"cells of shape {cells.shape}, expected {(self.n_cells, CELL)}")
+        elif isinstance(self._sums, SparseSums):
+            cells = SparseTally.of(cells)
         chain = hashlib.sha256(self._digest)
-        chain.update(self._image(cells).data)
+        for part in self._image(cells):
+            chain.update(np.ascontiguousarray(part, dtype="<i8").data)
         self._digest = chain.digest()
         self.batches += 1
-        limbs = self._limbs
-        limbs[:, 1:] += cells[:, :3]
-        for k in (3, 2, 1):
-            limbs[:, k - 1] += limbs[:, k] >> 32
-            limbs[:, k] &= _LOW
-        self._count += cells[:, 3]
-        # Welford: a batch equal to the mean so far leaves the sum of squares exactly as it is.
-        x = self._batch_values(cells)
-        delta = x - self._mean
-        self._mean += delta / self.batches
-        self._m2 += delta * (x - self._mean)
+        self._sums.add(cells, self.batches)
+        if self.differences:
+            x = self._batch_differences(cells)
+            welford(self._difference_mean, self._difference_m2, x, self.batches)
 
-    def _image(self, cells: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return what the digest is taken over."""
-        if self.counted_in is None:
-            return np.ascontiguousarray(cells, dtype="<i8")
-        last, into = self.counted_in
-        image = np.array(cells[:last], dtype="<i8")
-        image[into, 3] += cells[last, 3]
-        return image
+    def _image(self, cells: NDArray[np.int64] | SparseTally) -> Iterator[NDArray[np.int64]]:
+        """Give what the digest is taken over, in order."""
+        last, into = self.counted_in or (self.n_cells, 0)
+        row = whole_of(cells, into, 1)
+        if self.counted_in is not None:
+            row = row.copy()
+            row[0, 3] += whole_of(cells, last, 1)[0, 3]
+        if not isinstance(cells, SparseTally):
+            yield from (cells[:into], row, cells[into + 1 : last])
+            return
+        space = np.zeros((BLOCK, CELL), np.int64)
+        for first, part in cells.blocks():
+            space[part.numbers] = part.rows
+            if first <= into < first + BLOCK:
+                space[into - first] = row[0]
+            yield space[: min(BLOCK, last - first)]
+            space[part.numbers] = 0
+            if first <= into < first + BLOCK:
+                space[into - first] = 0
 
-    def _batch_values(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
-        x = values(cells)
-        if not self.differences:
-            return x
-        pairs = np.array(self.differences)
-        difference = canonical(cells[pairs[:, 0]] - cells[pairs[:, 1]])
+    def _batch_differences(self, cells: NDArray[np.int64] | SparseTally) -> NDArray[np.float64]:
+        found = [whole_of(cells, a, 1)[0] - whole_of(cells, b, 1)[0] for a, b in self.differences]
+        difference = canonical(np.stack(found))
         # The canonical form of a small negative number would round away: take its magnitude.
         sign = np.where(difference[:, 0] < 0, np.int64(-1), np.int64(1))
-        return np.concatenate([x, sign * values(canonical(difference * sign[:, np.newaxis]))])
+        return np.asarray(sign * values(canonical(difference * sign[:, np.newaxis])))
 
     def copy(self) -> Accumulator:
         """Return an independent copy."""
-        return Accumulator.restore(self.state(), self.differences, self.counted_in)
+        made = Accumulator(0, self.differences, self.counted_in)
+        made.n_cells, made.batches, made._digest = self.n_cells, self.batches, self._digest
+        made._sums = self._sums.copy()
+        made._difference_mean = self._difference_mean.copy()
+        made._difference_m2 = self._difference_m2.copy()
+        return made
 
     def state(self) -> AccumulatorState:
         """Return a copy of everything that it remembers."""
-        return AccumulatorState(
-            self.batches,
-            self._limbs.copy(),
-            self._count.copy(),
-            self._mean.copy(),
-            self._m2.copy(),
-            self._digest,
-        )
+        cells, (limbs, count, mean, m2) = self._sums.rows()
+        if self.differences:
+            mean = np.concatenate([mean, self._difference_mean])
+            m2 = np.concatenate([m2, self._difference_m2])
+        return AccumulatorState(self.batches, limbs, count, mean, m2, self._digest, cells)
+
+    @property
+    def held_bytes(self) -> int:
+        """Bytes of sums that grow as more cells are lit, 0 where they do not grow."""
+        return self._sums.nbytes if isinstance(self._sums, SparseSums) else 0
 
     @classmethod
     def of(cls, layout: TallyLayout, state: AccumulatorState | None = None) -> Accumulator:
@@ -225,6 +255,8 @@ class Accumulator:
         counted_in = (layout.interactions, layout.depth_capped)
         if state is None:
             return cls(layout.n_cells, balance, counted_in)
+        if state.cells is not None:
+            return cls.restore(state, balance, counted_in, layout.n_cells)
         if len(state.count) == layout.n_cells - 1:
             state = _with_interactions(state, *counted_in)
         if len(state.count) != layout.n_cells:
@@ -237,6 +269,7 @@ class Accumulator:
         state: AccumulatorState,
         differences: Sequence[tuple[int, int]] = (),
         counted_in: tuple[int, int] | None = None,
+        n_cells: int | None = None,
     ) -> Accumulator:
         """Return an accumulator that goes on where `state` was taken.
 
@@ -245,17 +278,23 @@ class Accumulator:
         ValueError
             If the arrays' shapes do not belong together.
         """
-        n = len(state.count)
+        m, nd = len(state.count), len(differences)
+        n = m if n_cells is None else n_cells
         made = cls(n, differences, counted_in)
-        wanted = [(n, _TOTAL_LIMBS), (n,), made._mean.shape, made._mean.shape]
+        wanted = [(m, TOTAL_LIMBS), (m,), (m + nd,), (m + nd,)]
         found = [a.shape for a in (state.limbs, state.count, state.mean, state.m2)]
         if found != wanted or len(state.digest) != 32 or state.batches < 0:
             raise ValueError(f"arrays of shapes {found}, expected {wanted}")
+        cells = state.cells
+        if cells is not None:
+            ascend = cells.shape == (m,) and (cells[1:] > cells[:-1]).all()
+            if not ascend or (m and not (cells[0] >= 0 and cells[-1] < n)):
+                raise ValueError(f"its cells are none of a tally of {n}, or not in order")
+        rows = (state.limbs, state.count, state.mean[:m], state.m2[:m])
+        made._sums = type(made._sums).of(n, cells, rows)
         made.batches = int(state.batches)
-        made._limbs[...] = state.limbs
-        made._count[...] = state.count
-        made._mean[...] = state.mean
-        made._m2[...] = state.m2
+        made._difference_mean[...] = state.mean[m:]
+        made._difference_m2[...] = state.m2[m:]
         made._digest = bytes(state.digest)
         return made
 
@@ -267,12 +306,16 @@ class Accumulator:
     @property
     def count(self) -> NDArray[np.int64]:
         """Arrivals of each cell, shape (n_cells,)."""
-        return self._count
+        return self.counts()
+
+    def counts(self, first: int = 0, n: int | None = None) -> NDArray[np.int64]:
+        """Return the arrivals of cells, shape (n,)."""
+        return self._sums.count(first, self.n_cells - first if n is None else n)
 
     def exact(self, cell: int) -> int:
         """Return the total of a cell over all batches as a whole number of 2^-95."""
         total = 0
-        for limb in self._limbs[cell]:
+        for limb in self._sums.limbs(cell, 1)[0]:
             total = (total << 32) + int(limb)
         return total
 
@@ -286,12 +329,9 @@ class Accumulator:
         first, n : int, optional
             Which cells; default all.
         """
-        limbs = self._limbs[first : self.n_cells if n is None else first + n]
-        # Canonical limbs below the first are not negative: adding from the small end loses nothing.
-        total = np.zeros(len(limbs))
-        for k in (3, 2, 1, 0):
-            total += np.ldexp(limbs[:, k].astype(np.float64), UNIT_EXPONENT + 32 * (3 - k))
-        return total / max(self.batches, 1)
+        total = self._sums.mean(first, self.n_cells - first if n is None else n)
+        total /= max(self.batches, 1)
+        return total
 
     def standard_error(self, first: int = 0, n: int | None = None) -> NDArray[np.float64]:
         """Return the standard error of the mean of cells (then differences), in launched weights.
@@ -303,10 +343,28 @@ class Accumulator:
         first, n : int, optional
             Which cells; default all, and the differences behind them.
         """
-        m2 = self._m2[first : None if n is None else first + n]
+        end = self.n_cells + len(self.differences) if n is None else first + n
         if self.batches < 2:
-            return np.full(len(m2), np.nan)
-        return np.asarray(np.sqrt(m2 / (self.batches - 1) / self.batches), dtype=np.float64)
+            return np.full(end - first, np.nan)
+        last = min(end, self.n_cells)
+        m2 = self._sums.m2(first, last - first) if first < last else np.empty(0)
+        if end > self.n_cells:
+            more = slice(max(first - self.n_cells, 0), end - self.n_cells)
+            m2 = np.concatenate([m2, self._difference_m2[more]])
+        return self._error(m2)
+
+    def _error(self, m2: NDArray[np.float64]) -> NDArray[np.float64]:
+        out = m2 / (self.batches - 1)
+        out /= self.batches
+        return np.sqrt(out, out=out)
+
+    def well_counted(self, first: int, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return mean and standard error of those cells of a range that count as lit, in order.
+
+        At least two batches.
+        """
+        totals, squares = self._sums.counted(first, n, LIT_COUNT)
+        return totals / self.batches, self._error(squares)
 
 
 def _with_interactions(state: AccumulatorState, last: int, counted_in: int) -> AccumulatorState:
@@ -315,7 +373,7 @@ def _with_interactions(state: AccumulatorState, last: int, counted_in: int) -> A
     count[counted_in] = 0
     return AccumulatorState(
         state.batches,
-        np.append(state.limbs, np.zeros((1, _TOTAL_LIMBS), np.int64), axis=0),
+        np.append(state.limbs, np.zeros((1, TOTAL_LIMBS), np.int64), axis=0),
         count,
         np.insert(state.mean, last, 0.0),
         np.insert(state.m2, last, 0.0),

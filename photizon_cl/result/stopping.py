@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.result.statistics import LIT_COUNT
-
 if TYPE_CHECKING:
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.result.statistics import Accumulator
@@ -63,14 +61,14 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
     if tally.batches < 2:
         return None
     maps = [(d.map, d.nx * d.ny) for d in layout.detectors if d.nx]
-    ranges = maps or [(d.power, 1) for d in layout.detectors] or [(0, layout.n_elements + 1)]
-    mean = np.concatenate([tally.mean(*r) for r in ranges])
-    error = np.concatenate([tally.standard_error(*r) for r in ranges])
-    known = mean > 0.0
     if maps:
-        known &= (
-            np.concatenate([tally.count[first : first + n] for first, n in ranges]) >= LIT_COUNT
-        )
+        found = [tally.well_counted(*r) for r in maps]
+    else:
+        ranges = [(d.power, 1) for d in layout.detectors] or [(0, layout.n_elements + 1)]
+        found = [(tally.mean(*r), tally.standard_error(*r)) for r in ranges]
+    mean = np.concatenate([mean for mean, _ in found])
+    error = np.concatenate([error for _, error in found])
+    known = mean > 0.0
     return float(np.median(error[known] / mean[known])) if known.any() else None
 
 

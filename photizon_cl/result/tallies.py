@@ -57,14 +57,15 @@ def effect_tallies(compiled: CompiledScene, tally: Accumulator) -> Table[EffectT
 
 def _cells(compiled: CompiledScene, tally: Accumulator, group: CellGroup) -> EffectTally:
     errors = tally.standard_error(group.first, group.size) * compiled.unit_power * group.scale
+    counts = tally.counts(group.first, group.size)
     cells = range(group.first, group.first + group.size)
     estimates = {
         label: Estimate(
             watts(compiled, tally.exact(cell), tally.batches) * group.scale,
             float(error) if tally.batches > 1 else None,
-            int(tally.count[cell]),
+            int(count),
         )
-        for label, cell, error in zip(group.labels, cells, errors, strict=True)
+        for label, cell, error, count in zip(group.labels, cells, errors, counts, strict=True)
     }
     return EffectTally(estimates, group.unit)
 

@@ -7,9 +7,11 @@ import operator
 import warnings
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from hostcode.run.tally import whole_of
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER, CompiledScene
 from photizon_cl.errors import (
     ArgumentError,
+    NoRoomError,
     ResultError,
     RunError,
     RunWarning,
@@ -22,11 +24,12 @@ from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
 from photizon_cl.run.checkpoint import Keeper
-from photizon_cl.run.distribution import Local, Runner
+from photizon_cl.run.distribution import Local, Runner, open_chosen, usual_plan
 from photizon_cl.run.interruption import interruptible
+from photizon_cl.run.memory import check_memory, no_room_for
 from photizon_cl.run.pilot import pilot_of_capped
 from photizon_cl.run.progress import Clock, Progress
-from photizon_cl.run.workers import Executed
+from photizon_cl.run.workers import Executed, bytes_on_the_way
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -146,13 +149,38 @@ def go_on(
     checkpoint: str | os.PathLike[str] | None,
 ) -> _E:
     """Add batches to a result that nobody else holds until its goal is reached."""
-    if checkpoint is None:
-        return _add_batches(start, goal, device, progress, executor, plan, None)
-    keeper = Keeper(checkpoint, start)
+    plan = _fitting(start.compiled, device, executor, plan)
+    keeper = None if checkpoint is None else Keeper(checkpoint, start)
     try:
         return _add_batches(start, goal, device, progress, executor, plan, keeper)
+    except MemoryError as error:  # others took what was there when it began
+        kept = "" if keeper is None else "; its checkpoint is kept, for `photizon resume`"
+        raise NoRoomError(
+            "no memory was left in mid-run: `photizon check` says what this scene takes; run it "
+            f"where more is free, or take fewer bins in maps and far field{kept}"
+        ) from error
     finally:
-        keeper.close()
+        if keeper is not None:
+            keeper.close()
+
+
+def _fitting(
+    compiled: CompiledScene,
+    device: DeviceRecord | str | int | None,
+    executor: Executor | None,
+    plan: ExecutionPlan | None,
+) -> ExecutionPlan | None:
+    """Return a plan that fits; refuse a run that has no memory, before anything is done for it."""
+    tables = compiled.tables
+    if executor is not None:  # workers look at what they have themselves
+        check_memory(compiled, None, None, bytes_on_the_way(executor, tables))
+        return plan
+    record = open_chosen(_selector(device)).record
+    return check_memory(compiled, record, plan or usual_plan(record, tables))
+
+
+def _selector(device: DeviceRecord | str | int | None) -> DeviceRecord | str | None:
+    return str(device) if isinstance(device, int) else device
 
 
 def _add_batches(
@@ -165,7 +193,7 @@ def _add_batches(
     keeper: Keeper | None,
 ) -> _E:
     compiled, tally, info = start.compiled, start.tally, start.info
-    chosen = str(device) if isinstance(device, int) else device
+    chosen = _selector(device)
     runner: Runner
     if executor is None:
         runner = Local(compiled.tables, chosen, plan)
@@ -175,6 +203,7 @@ def _add_batches(
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
+    full = ""
     history, pilot = History(info.history, info.seconds), info.pilot
 
     def so_far(stopped: str = "") -> RunInfo:
@@ -198,9 +227,12 @@ def _add_batches(
                 done = False
                 for cells in chunk.cells:
                     whole = complete(compiled.layout, cells)
+                    full = full or no_room_for(whole, tally)
+                    if full:
+                        break
                     worst = max(worst, check_batch(compiled, tally.batches, whole))
                     tally.add(whole)
-                    interactions += int(whole[compiled.layout.interactions, 3])
+                    interactions += int(whole_of(whole, compiled.layout.interactions, 1)[0, 3])
                     done = goal.reached(compiled.layout, tally)
                     if done:
                         break  # what was computed beyond is dropped: the goal fixes the bits
@@ -211,8 +243,9 @@ def _add_batches(
                     keeper.note(lambda: Estimates(compiled, tally, so_far()))
                 if progress is not None:
                     progress(Progress.of(compiled, tally, goal, info, interactions, clock))
-                if done or interrupted() or clock.over():
+                if done or full or interrupted() or clock.over():
                     break
+                del chunk, cells, whole  # the next ones are computed before they are replaced
         finally:
             close = getattr(chunks, "close", None)
             if close is not None:
@@ -222,11 +255,12 @@ def _add_batches(
     if not tally.batches:
         if interrupted():
             raise KeyboardInterrupt
-        raise RunError(runner.complaint() or _no_batch(compiled, clock))
+        raise RunError(full or runner.complaint() or _no_batch(compiled, clock))
     history.note(compiled.layout, tally, clock.elapsed(), last=True)
-    stopped = "interrupt" if interrupted() else "memory" if runner.full() else "time"
+    full = full or (runner.complaint() if runner.full() else "")
+    stopped = "interrupt" if interrupted() else "memory" if full else "time"
     if stopped == "memory":
-        warnings.warn(runner.complaint(), RunWarning, stacklevel=4)
+        warnings.warn(full, RunWarning, stacklevel=4)
     if goal.reached(compiled.layout, tally):
         stopped = "batches" if tally.batches == goal.batches else "target"
     result = type(start)(compiled, tally, so_far(stopped))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from hostcode.run.tally import CELL
+from hostcode.run.tally import CELL, SparseTally
 from photizon_cl.errors import printable
 from photizon_cl.result.engine import engine_digest
 
@@ -71,7 +71,7 @@ class Chunk:
     ----------
     first : int
         Number of the first batch.
-    cells : tuple of ndarray, each shape (n_cells, 4), int64
+    cells : tuple of ndarray, each shape (n_cells, 4), int64, or of SparseTally
         Canonical tallies in batch order.
     device : str
         Label of the device.
@@ -82,7 +82,7 @@ class Chunk:
     """
 
     first: int
-    cells: tuple[NDArray[np.int64], ...]
+    cells: tuple[NDArray[np.int64] | SparseTally, ...]
     device: str
     build_seconds: float
     seal: Seal | None = None
@@ -141,7 +141,9 @@ def _checksum(chunk: Chunk, seal: Seal) -> str:
     told = replace(seal, checksum="")
     total = hashlib.sha256(repr((told, chunk.device, chunk.build_seconds.hex())).encode())
     for cells in chunk.cells:
-        total.update(np.ascontiguousarray(cells, dtype="<i8").data)
+        arrays = (cells.numbers, cells.rows) if isinstance(cells, SparseTally) else (cells,)
+        for array in arrays:
+            total.update(np.ascontiguousarray(array, dtype="<i8").data)
     return total.hexdigest()
 
 
@@ -205,10 +207,8 @@ def _checked(chunk: Chunk, task: Task) -> Chunk:
     cells = chunk.cells
     if type(cells) is not tuple or len(cells) != task.n:
         raise RefusedError(f"does not hold {task.n} tallies")
-    shape = (task.tables.n_cells, CELL)
-    for tally in cells:
-        if type(tally) is not np.ndarray or tally.dtype != np.int64 or tally.shape != shape:
-            raise RefusedError("holds something that is no tally of the scene")
+    if not all(_is_tally(tally, task.tables.n_cells) for tally in cells):
+        raise RefusedError("holds something that is no tally of the scene")
     if type(chunk.device) is not str or type(chunk.build_seconds) is not float:
         raise RefusedError("does not say where it was computed")
     label = chunk.device
@@ -223,3 +223,11 @@ def _checked(chunk: Chunk, task: Task) -> Chunk:
     if _checksum(kept, seal) != seal.checksum:
         raise RefusedError("is damaged (its checksum does not fit)")
     return kept
+
+
+def _is_tally(tally: object, n_cells: int) -> bool:
+    """Say whether something is, in form, a tally of so many cells."""
+    if type(tally) is SparseTally:
+        arrays = (tally.numbers, tally.rows)
+        return tally.n_cells == n_cells and all(type(array) is np.ndarray for array in arrays)
+    return type(tally) is np.ndarray and tally.dtype == np.int64 and tally.shape == (n_cells, CELL)

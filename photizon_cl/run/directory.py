@@ -193,6 +193,11 @@ def save(
                     file.unlink(missing_ok=True)
         except OSError as error:
             raise ResultError(f"{show(str(folder))} cannot be written: {reason(error)}") from error
+        except MemoryError as error:
+            raise ResultError(
+                f"{show(str(folder))} cannot be written: no memory is left for its arrays and "
+                "figures; where result.nc is there, `photizon report` draws them later"
+            ) from error
 
 
 def _figures_of(result: Estimates, folder: Path) -> set[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 from hostcode.device import capability
 from hostcode.device.device import (
@@ -16,15 +16,18 @@ from hostcode.device.device import (
     open_device,
     preferred_lanes,
 )
+from hostcode.device.memory import room
 from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError, QueueFull
-from hostcode.program.plan import ExecutionPlan, default_plan
+from hostcode.program.plan import default_plan
+from hostcode.run.sizes import Sizes
 from hostcode.run.wavefront import Engine
-from photizon_cl.errors import ArgumentError, RunError, show
+from photizon_cl.errors import ArgumentError, NoRoomError, RunError, show
 from photizon_cl.run.chunks import Chunk
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from hostcode.program.plan import ExecutionPlan
     from hostcode.run.tables import DeviceTables
     from photizon_cl.run.progress import Clock
 
@@ -35,7 +38,11 @@ __all__ = [
     "device_failures",
     "make_engine",
     "open_chosen",
+    "usual_plan",
 ]
+
+_NOTHING: Final = 1 << 26
+"""Bytes of buffers that are not worth a look at what is left."""
 
 
 class Runner(Protocol):
@@ -135,10 +142,45 @@ def make_engine(
         Where there is no such device, or the program or its buffers cannot be made.
     """
     opened = open_chosen(device)
-    if plan is None:
-        plan = default_plan(opened.record, preferred_lanes(opened.record, tables.spec.effects))
-    with device_failures(opened.record.label):
+    record = opened.record
+    plan = plan or usual_plan(record, tables)
+    _check_buffers(record, Sizes.of(tables, plan))
+    with device_failures(record.label):
         return Engine(opened, tables, plan)
+
+
+def _check_buffers(record: DeviceRecord, sizes: Sizes) -> None:
+    """Refuse what a device cannot hold: some runtimes end the process when they find out.
+
+    In a worker that is all that is looked at; elsewhere a run was looked at as a whole.
+
+    Raises
+    ------
+    NoRoomError
+        Where a buffer, or all of them, are too large.
+    """
+    (part, largest), total = sizes.largest, sizes.total()
+    left = room() if record.type == "cpu" and total > _NOTHING else None
+    why = ""
+    if largest > record.max_allocation:
+        most = record.max_allocation / 1e9
+        why = f"one of {largest / 1e9:.3g} GB, and it gives at most {most:.3g} GB"
+    elif total > record.global_memory:
+        why = f"buffers of {total / 1e9:.3g} GB, and it has {record.global_memory / 1e9:.3g} GB"
+    elif left is not None and total > left.left:
+        why = (
+            f"buffers of {total / 1e9:.3g} GB, and {left.left / 1e9:.3g} GB are left of {left.what}"
+        )
+    if why:
+        raise NoRoomError(
+            f"device {record.label} would need {why} (most for the {part}): `photizon check` says "
+            "what the scene takes"
+        )
+
+
+def usual_plan(record: DeviceRecord, tables: DeviceTables) -> ExecutionPlan:
+    """Return how a device runs a scene where nobody says."""
+    return default_plan(record, preferred_lanes(record, tables.spec.effects))
 
 
 @contextmanager
@@ -148,6 +190,13 @@ def device_failures(label: str) -> Iterator[None]:
 
     try:
         yield
+    except QueueFull as error:
+        raise NoRoomError(str(error)) from error
+    except (cl.MemoryError, MemoryError) as error:
+        raise NoRoomError(
+            f"device {label} has no memory for the run: take fewer rays_per_batch, or fewer bins "
+            f"in maps and far field; `photizon check` says what takes how much ({error})"
+        ) from error
     except cl.Error as error:
         raise RunError(
             f"device {label} failed: {error}; try fewer rays_per_batch, or another device"
@@ -180,7 +229,8 @@ class Local:
         device: DeviceRecord | str | None,
         plan: ExecutionPlan | None,
     ) -> None:
-        self.engine = make_engine(device, tables, plan)
+        self._what = device, tables, plan
+        self.engine = make_engine(*self._what)
         self._full = ""
 
     def watch(self, clock: Clock, interrupted: Callable[[], bool]) -> None:
@@ -199,8 +249,9 @@ class Local:
         self, first: int, last: int | None, size: Callable[[], int | None]
     ) -> Iterator[Chunk]:
         """Give batches in order, see `Runner.chunks`."""
+        alone = False
         while last is None or first < last:
-            n = self.engine.batches_at_once
+            n = 1 if alone else self.engine.batches_at_once
             limit = size()
             if limit is not None:
                 n = min(n, limit)
@@ -210,12 +261,18 @@ class Local:
                 chunk = compute(self.engine, first, n)
             except Abandoned:
                 return
-            except RunError as error:
-                if not isinstance(error.__cause__, QueueFull):
-                    raise
-                self._full = str(error)
-                return
+            except NoRoomError as error:
+                if n == 1:
+                    self._full = str(error)
+                    return
+                # those that there is room for one at a time count
+                alone, give_up = True, self.engine.give_up
+                del self.engine  # its queue is of no more use
+                self.engine = make_engine(*self._what)
+                self.engine.give_up = give_up
+                continue
             yield chunk
+            del chunk  # the next one is computed before the caller lets go of this one
             first += n
 
 

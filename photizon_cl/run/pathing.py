@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from hostcode.run.paths import trace_paths
-from hostcode.run.tally import values
+from hostcode.run.tally import values, whole_of
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ArgumentError, SceneError, show
 from photizon_cl.result.paths import ENDINGS, Paths
@@ -99,7 +99,7 @@ def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Pat
     escaped = ending == _ESCAPED
     end[escaped] = raw.reals[escaped, 0:3] + escape_length * end[escaped]
     layout = compiled.layout
-    watts = values(raw.cells) * compiled.unit_power
+    watts = values(whole_of(raw.cells, 0, layout.n_rows)) * compiled.unit_power
     names = [f"absorbed by {element.name}" for element in compiled.scene.element]
     ledger = dict(zip(names, watts[: len(names)].tolist(), strict=True))
     titles = [row.title for row in layout.rows]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from hostcode.device.device import preferred_lanes
 from hostcode.errors import Abandoned
 from hostcode.program.plan import default_plan
-from hostcode.run.tally import exact
+from hostcode.run.tally import exact, whole_of
 from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import RunError
@@ -166,8 +166,9 @@ class _Flight:
             finally:
                 self.made = engine.statistics.interactions
                 self.room -= self.made
-        rows = exact(batch.cells[[layout.depth_capped, layout.escaped]])
-        under_way, escaped = (float(Fraction(n, self.compiled.emitted)) for n in rows)
+        rows = (layout.depth_capped, layout.escaped)
+        powers = [exact(whole_of(batch.cells, row, 1))[0] for row in rows]
+        under_way, escaped = (float(Fraction(n, self.compiled.emitted)) for n in powers)
         return under_way, escaped
 
     def _spent(self, engine: Engine) -> bool:

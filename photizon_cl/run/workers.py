@@ -19,8 +19,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from hostcode.errors import Abandoned, HostError
+from hostcode.run.tally import CELL, is_sparse
 from photizon_cl.errors import (
     ArgumentError,
+    NoRoomError,
     PhotizonError,
     RunError,
     RunWarning,
@@ -42,11 +44,13 @@ if TYPE_CHECKING:
     from photizon_cl.run.chunks import Chunk
     from photizon_cl.run.progress import Clock
 
-__all__ = ["Executed", "run_task"]
+__all__ = ["Executed", "bytes_on_the_way", "run_task"]
 
 _KEPT_ENGINES: Final = 2
 """Engines that a worker keeps: enough for two traces that take turns."""
 _RAYS_OF_A_TASK: Final = 1 << 18
+_BYTES_OF_A_TASK: Final = 1 << 26
+"""Tallies that travel together, where there is more than one."""
 _WINDOW: Final = 2
 """Tasks under way for each worker, so that none waits for the next one."""
 _TICK: Final = 0.05
@@ -98,7 +102,32 @@ class _Asked:
     asked_at: float
     tries: int = 0
     here: bool = False
+    full: str = ""
     chunk: Chunk | None = None
+
+    def one_by_one(self) -> Iterator[Task]:
+        """Give tasks of a single batch each."""
+        for k in range(self.task.n):
+            yield replace(self.task, first=self.task.first + k, n=1)
+
+
+def _window(executor: object) -> int:
+    """Return how many tasks of an executor are under way at a time."""
+    workers = getattr(executor, "_max_workers", None)
+    return _WINDOW * (workers if type(workers) is int and workers > 0 else os.cpu_count() or 1)
+
+
+def _batches_of_a_task(tables: DeviceTables) -> int:
+    rays = int(tables.launch["rays_per_batch"])
+    return max(min(_RAYS_OF_A_TASK // rays, _BYTES_OF_A_TASK // (8 * CELL * tables.n_cells)), 1)
+
+
+def bytes_on_the_way(executor: object, tables: DeviceTables) -> int:
+    """Return what answers that wait for their turn take at most, each with what it came in."""
+    cells = tables.n_cells
+    if is_sparse(cells):
+        cells = min(cells, int(tables.launch["rays_per_batch"]))
+    return 2 * _window(executor) * _batches_of_a_task(tables) * 8 * (CELL + 1) * cells
 
 
 class Executed:
@@ -135,9 +164,7 @@ class Executed:
         self._whole = Task(
             f"{scene} {device} {plan}", scene, tables_digest(tables), tables, device, plan, 0, 1
         )
-        workers = getattr(executor, "_max_workers", None)
-        workers = workers if type(workers) is int and workers > 0 else os.cpu_count() or 1
-        self.window = _WINDOW * workers
+        self.window = _window(executor)
         self._clock: Clock | None = None
         self._interrupted: Callable[[], bool] = lambda: False
         self._local: Local | None = None
@@ -147,17 +174,20 @@ class Executed:
         self._tickets: dict[int, _Asked] = {}
         self._next_ticket = 0
         self._said: set[str] = set()
+        self._full = ""
 
     def watch(self, clock: Clock, interrupted: Callable[[], bool]) -> None:
         """Wait no longer than the clock allows, nor beyond Ctrl-C."""
         self._clock, self._interrupted = clock, interrupted
 
     def full(self) -> bool:
-        """Say no: a worker that has no room fails, and its error ends the run."""
-        return False
+        """Say whether batches ended because a worker had no room."""
+        return bool(self._full)
 
     def complaint(self) -> str:
-        """Say that nobody answered, where that is so."""
+        """Say that there was no room, or that nobody answered, where that is so."""
+        if self._full:
+            return self._full
         if self._answers or self._clock is None:
             return ""
         return (
@@ -172,8 +202,7 @@ class Executed:
         self, first: int, last: int | None, size: Callable[[], int | None]
     ) -> Iterator[Chunk]:
         """Give batches in order, see `Runner.chunks`."""
-        rays = int(self._whole.tables.launch["rays_per_batch"])
-        usual = max(_RAYS_OF_A_TASK // rays, 1)
+        usual = _batches_of_a_task(self._whole.tables)
         if last is not None:
             # Shared out among the workers rather than given whole to a few of them.
             usual = max(min(usual, -(-(last - first) // self.window)), 1)
@@ -192,11 +221,20 @@ class Executed:
                     else:  # it is silent, or not asked any more
                         asked[first].here = True
                     first += n
-                chunk = self._await(desk, next(iter(asked.values())))
-                if chunk is None:
+                item = next(iter(asked.values()))
+                chunk = self._await(desk, item)
+                if chunk is None and not item.full:
                     return
                 asked.popitem(last=False)
-                yield chunk
+                if chunk is not None:
+                    yield chunk
+                    del chunk, item  # others are computed before the caller lets go of this one
+                    continue
+                for task in item.one_by_one():  # those that there is room for count
+                    chunk = self._trace_here(task)
+                    if chunk is None:
+                        return
+                    yield chunk
         finally:
             desk.close()
 
@@ -218,6 +256,8 @@ class Executed:
             self._take(desk, answer)
         while item.chunk is None:
             if self._over():
+                return None
+            if item.full:
                 return None
             if item.here or not self._trusted:
                 return self._trace_here(item.task)
@@ -255,6 +295,8 @@ class Executed:
             self._give_up_on(f"the executor broke ({_told(error)})")
         elif isinstance(error, NotSubmittedError):
             self._fail(desk, item, f"a task could not be submitted ({_told(error.__cause__)})")
+        elif isinstance(error, NoRoomError):
+            item.full = str(error)
         elif isinstance(error, PhotizonError | HostError):
             raise error
         elif isinstance(error, pickle.PicklingError):
@@ -328,6 +370,9 @@ class Executed:
         try:
             return compute(self._local.engine, task.first, task.n)
         except Abandoned:
+            return None
+        except NoRoomError as error:
+            self._full = str(error)
             return None
 
 

@@ -19,13 +19,23 @@ if TYPE_CHECKING:
 
 __all__ = ["circle_areas", "even_areas", "zone_areas"]
 
+_AT_ONCE: Final = 1 << 20
+"""Bins whose areas are computed together: it takes ten arrays on the way."""
+_SHARED: Final = 1 << 22
+"""Bins from which on equal areas are one number in memory, in an array that is only for reading."""
 _RIM: Final = 4.0 * 2.0**-53
 """Rounding of the cosine of a port's rim, 1 − 2f, of numbers about 1."""
 
 
 def even_areas(half_width: float, half_height: float, nx: int, ny: int) -> NDArray[np.float64]:
     """Return the areas of nx × ny equal bins of a rectangle, shape (ny, nx), in m²."""
-    return np.full((ny, nx), (2.0 * half_width / nx) * (2.0 * half_height / ny))
+    return _spread(np.array([[(2.0 * half_width / nx) * (2.0 * half_height / ny)]]), nx, ny)
+
+
+def _spread(areas: NDArray[np.float64], nx: int, ny: int) -> NDArray[np.float64]:
+    """Return areas that are equal along rows, or everywhere, as an array of all bins."""
+    all_bins = np.broadcast_to(areas, (ny, nx))
+    return all_bins if nx * ny >= _SHARED else all_bins.copy()
 
 
 def zone_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArray[np.float64]:
@@ -40,7 +50,7 @@ def zone_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArray
     # except of the first, in which all of a wall may be
     heights[1:] = [h if h > _RIM else 0.0 for h in heights[1:]]
     rows = np.array(heights) * (2.0 * math.pi / nx * radius * radius)
-    return np.repeat(rows[:, np.newaxis], nx, axis=1)
+    return _spread(rows[:, np.newaxis], nx, ny)
 
 
 def circle_areas(radius: float, nx: int, ny: int, inner: float = 0.0) -> NDArray[np.float64]:
@@ -53,8 +63,25 @@ def circle_areas(radius: float, nx: int, ny: int, inner: float = 0.0) -> NDArray
     """
     # By symmetry every bin is one or two (an odd middle one: two mirrored halves) bins of a
     # quadrant of the unit disk.
-    x0, x1, mx = _folded(nx)
-    y0, y1, my = _folded(ny)
+    columns, rows = _folded(nx), _folded(ny)
+    areas = np.empty((ny, nx))
+    slab = max(_AT_ONCE // nx, 1)
+    for first in range(0, ny, slab):
+        some = slice(first, first + slab)
+        y0, y1, my = (ends[some] for ends in rows)
+        areas[some] = _slab_areas(radius, inner, columns, (y0, y1, my), nx, ny)
+    return areas
+
+
+_Folded = tuple["NDArray[np.float64]", "NDArray[np.float64]", "NDArray[np.float64]"]
+
+
+def _slab_areas(
+    radius: float, inner: float, columns: _Folded, rows: _Folded, nx: int, ny: int
+) -> NDArray[np.float64]:
+    """Return the areas of some rows of bins, see `circle_areas`."""
+    x0, x1, mx = columns
+    y0, y1, my = rows
     quadrant = _quadrant_areas(x0[np.newaxis], x1[np.newaxis], y0[:, np.newaxis], y1[:, np.newaxis])
     times, unit = mx[np.newaxis] * my[:, np.newaxis], radius * radius
     # Which bins lie wholly outside or inside is decided in integers, since a corner may stand

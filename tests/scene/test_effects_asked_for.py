@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import photizon_cl as pz
-from hostcode.run import wavefront
+from hostcode.run import readout
 from photizon_cl.compile.compiled import compile_scene
 
 
@@ -75,6 +75,6 @@ def test_what_is_no_list_of_words_is_refused(value, hint):
 
 
 def test_a_full_tally_ends_the_run(monkeypatch):
-    monkeypatch.setattr(wavefront, "_FULLEST", 2.0**38)  # 128 launched weights
+    monkeypatch.setattr(readout, "_FULLEST", 2.0**38)  # 128 launched weights
     with pytest.raises(pz.RunError, match="holds more than 2\\^31 launched weights"):
         pz.trace("box-room", batches=1, rays_per_batch=1024)

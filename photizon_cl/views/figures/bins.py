@@ -27,6 +27,7 @@ __all__ = [
     "Panel",
     "bin_axes",
     "colour_bar",
+    "dots",
     "hatch",
     "key",
     "own_axes",
@@ -43,7 +44,8 @@ _BELOW: Final = 0.48
 _ABOVE: Final = 0.28
 _TALLEST: Final = 6.2
 _LONG: Final = 5.0
-_MOST_QUADS: Final = 1 << 22
+_MOST_QUADS: Final = 1 << 20
+_MOST_DOTS: Final = 1 << 10
 _MOST_VECTORS: Final = 1 << 14
 
 
@@ -121,8 +123,9 @@ def paint(
     norm: Normalize,
 ) -> Any:
     """Draw every bin of a masked array with the colour of its own value and no other's."""
-    if np.size(values) > _MOST_QUADS:
-        # The same bins as a picture: four numbers a corner would not fit into memory.
+    if (len(x_edges) - 1) * (len(y_edges) - 1) > _MOST_QUADS:
+        # As a picture: four numbers a corner would not fit into memory.
+        values = dots(values)
         extent = (x_edges[0], x_edges[-1], y_edges[0], y_edges[-1])
         drawn: Any = axes.imshow(
             values, cmap=colours, norm=norm, extent=extent, origin="lower", aspect="auto",
@@ -137,6 +140,17 @@ def paint(
     return drawn
 
 
+def dots(values: Any) -> Any:
+    """Return the bins of an array that are drawn: of more than dots on paper, one for each."""
+    picked = []
+    for n in np.shape(values):
+        m = min(n, _MOST_DOTS)
+        picked.append((2 * np.arange(m, dtype=np.int64) + 1) * n // (2 * m))
+    if np.size(values) <= _MOST_QUADS or [len(p) for p in picked] == list(np.shape(values)):
+        return values
+    return values[np.ix_(*picked)]
+
+
 def flat(
     axes: Axes,
     x_edges: NDArray[np.float64],
@@ -147,7 +161,7 @@ def flat(
 ) -> None:
     """Draw some bins in one colour."""
     if where.any():
-        only = np.ma.masked_array(np.ones(where.shape), mask=~where)
+        only = np.ma.masked_array(np.broadcast_to(1.0, where.shape), mask=~where)
         one = ListedColormap([colour])
         paint(axes, x_edges, y_edges, only, one, Normalize(0.0, 2.0)).set_label(label)
 

@@ -146,7 +146,7 @@ def draw_relative_sigma(
     panel, x, y = _frame(result, element, m, what, notes, ax)
     axes = panel.axes
     # viridis has no grey in it, which the bins without a value have
-    drawn = bins.paint(axes, x, y, positive(shown, scale), colormaps["viridis"], scale)
+    drawn = bins.paint(axes, x, y, positive(bins.dots(shown), scale), colormaps["viridis"], scale)
     drawn.set_label("values")
     bar = bins.colour_bar(drawn, panel, "relative σ in %", extends(shown, scale))
     if is_log(scale):
@@ -196,7 +196,9 @@ def amounts(
         Of the colours.
     """
     axes = panel.axes
-    drawn = bins.paint(axes, x_edges, y_edges, positive(shown, scale), colormaps["viridis"], scale)
+    drawn = bins.paint(
+        axes, x_edges, y_edges, positive(bins.dots(shown), scale), colormaps["viridis"], scale
+    )
     drawn.set_label("values")
     low, high = _limits(scale)
     factor, name = (1.0, unit) if is_log(scale) else powered(max(abs(low), abs(high)), unit)
