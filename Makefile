@@ -5,7 +5,7 @@
 #   make docs     set up likewise, then build the documentation into docs/_build/html
 #   make lint | types | bench | gpu | clean
 #
-# Variables: VENV=.venv   POCL=auto|debian|pypi|none   INTEL=none|pypi   PYTHON=…   PYTEST_ARGS=…   WORKERS=2
+# Variables: VENV=.venv   POCL=auto|debian|pypi|none   INTEL=none|pypi   PYTHON=…   PYTEST_ARGS=…
 #   WORKERS=2    processes that run tests: a CPU device compiles kernels on one core (0: this one)
 #   POCL=auto    Debian's pocl-opencl-icd where it may be installed, else the one of PyPI
 #   INTEL=pypi   Intel's CPU runtime as well, which is proprietary (none: not installed, the default)
@@ -20,6 +20,7 @@ WORKERS ?= 2
 
 SETUP := VENV='$(VENV)' POCL='$(POCL)' INTEL='$(INTEL)' PYTHON='$(PYTHON)' sh .ci/setup
 BIN   := $(VENV)/bin
+TESTS := $(VENV)/.stamp-test$(if $(filter pypi,$(INTEL)),-intel)
 INPUTS := pyproject.toml .ci/setup
 
 .PHONY: run test lint types docs bench gpu clean
@@ -31,15 +32,15 @@ run: $(VENV)/.stamp-run
 test: lint types
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS)
 
-lint: $(VENV)/.stamp-test
+lint: $(TESTS)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-types: $(VENV)/.stamp-test
+types: $(TESTS)
 	$(BIN)/mypy
 
 # Warnings are errors; nothing is fetched.
-docs: $(VENV)/.stamp-test
+docs: $(TESTS)
 	$(BIN)/python -m sphinx -W --keep-going -n -b html docs docs/_build/html
 
 bench: $(VENV)/.stamp-run
@@ -53,7 +54,7 @@ $(VENV)/.stamp-run: $(INPUTS)
 	@$(SETUP) run
 
 # The tests compare both PoCLs, so that of PyPI is installed beside Debian's.
-$(VENV)/.stamp-test: $(INPUTS)
+$(TESTS): $(INPUTS)
 	@$(SETUP) test
 
 clean:

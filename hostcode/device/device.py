@@ -274,7 +274,7 @@ def _matching(selector: str, records: tuple[DeviceRecord, ...]) -> list[DeviceRe
 
 _OTHER_CPU: Final = 0.1
 """What the rate of a CPU counts under another runtime: PoCL's, whatever clock each tells, is more.
-Which is faster is measured, and told by `hostcode.device.speed`."""
+Which is faster only a measurement tells."""
 
 
 def _rank(record: DeviceRecord) -> tuple[float, int]:

@@ -33,8 +33,10 @@ LIBRARY: Final = "libintelocl.so"
 _PACKAGE: Final = "intel-opencl-rt"
 _SYSTEM: Final = Path("/etc/OpenCL/vendors")
 _VENDORS: Final = "OCL_ICD_VENDORS"
-_OTHERS: Final = ("OPENCL_VENDOR_PATH", "OCL_ICD_FILENAMES")
-"""What else tells a loader where registrations are."""
+_NAMES: Final = (_VENDORS, "OPENCL_VENDOR_PATH", "OCL_ICD_FILENAMES")
+"""What tells a loader where registrations are."""
+_unwritable: list[str] = []
+"""Why no folder could be made, if so."""
 
 
 def intel_library() -> Path | None:
@@ -70,7 +72,7 @@ def registered() -> Iterator[None]:
 def _folder(stack: ExitStack) -> str:
     """Make a folder with what the system registers and Intel's runtime; empty for none."""
     library = intel_library()
-    named = any(os.environ.get(name) for name in (_VENDORS, *_OTHERS))
+    named = any(os.environ.get(name) for name in _NAMES)
     if sys.platform != "linux" or library is None or named or _system_has_one():
         return ""
     try:
@@ -78,7 +80,8 @@ def _folder(stack: ExitStack) -> str:
         for registration in _registrations():
             (Path(folder) / registration.name).symlink_to(registration)
         (Path(folder) / "photizon-intel.icd").write_text(f"{library}\n", encoding="utf-8")
-    except OSError:  # no place to write: the other platforms are there as ever
+    except OSError as error:  # no place to write: the other platforms are there as ever
+        _unwritable[:] = [str(error)]
         return ""
     return folder
 
@@ -92,7 +95,8 @@ def trouble(platforms: Collection[str]) -> str:
         Names of the platforms that the loader listed.
     """
     library = intel_library()
-    if library is None or PLATFORM in platforms or os.environ.get(_VENDORS):
+    named = any(os.environ.get(name) for name in _NAMES)
+    if library is None or PLATFORM in platforms or named:
         return ""
     try:
         ctypes.CDLL(str(library))
@@ -100,6 +104,16 @@ def trouble(platforms: Collection[str]) -> str:
         return (
             f"Intel's OpenCL runtime is installed and does not load ({error}): "
             "pip install intel-opencl-rt intel-cmplr-lib-rt"
+        )
+    if _system_has_one():
+        return (
+            "Intel's OpenCL runtime is installed by pip and registered by the system, and what the "
+            f"system registers does not load: mend or remove its file in {_SYSTEM}"
+        )
+    if _unwritable:
+        return (
+            "Intel's OpenCL runtime is installed and cannot be registered without a temporary "
+            f"directory ({_unwritable[0]}): set TMPDIR to one that can be written"
         )
     return (
         "Intel's OpenCL runtime is installed and was not found, since this process had listed its "

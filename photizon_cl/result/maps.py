@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from photizon_cl.result.ledger import Estimate, watts
-from photizon_cl.result.statistics import LIT_COUNT
+from photizon_cl.result.statistics import LIT_COUNT, known_part
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -150,8 +150,7 @@ class IrradianceMap:
     @property
     def known_fraction(self) -> float:
         """Part of the bins that rays reach that have 10 arrivals; 1 where none is reached."""
-        reached = int(((self.count > 0) & ~self.masked).sum())
-        return float(self.lit.sum() / reached) if reached else 1.0
+        return known_part(self.count[~self.masked])
 
     @property
     def slivers(self) -> NDArray[np.bool_]:

@@ -34,10 +34,16 @@ if TYPE_CHECKING:
 
     from photizon_cl.compile.layout import TallyLayout
 
-__all__ = ["LIT_COUNT", "Accumulator", "AccumulatorState", "complete", "exact_sum"]
+__all__ = ["LIT_COUNT", "Accumulator", "AccumulatorState", "complete", "exact_sum", "known_part"]
 
 LIT_COUNT: Final = 10
 """Arrivals from which on a bin counts as lit, and below which it is hatched."""
+
+
+def known_part(counts: NDArray[np.int64]) -> float:
+    """Return which part of the bins that rays reach is lit; 1 where none is reached."""
+    reached = int(np.count_nonzero(counts))
+    return float(np.count_nonzero(counts >= LIT_COUNT) / reached) if reached else 1.0
 
 
 def exact_sum(cells: NDArray[np.int64]) -> tuple[int, int]:

@@ -38,7 +38,14 @@ class _Mpfr:
     def workdps(self, digits: int) -> Any:
         """Return a context in which numbers have so many digits, as mpmath counts them."""
         bits = round((digits + 1) * math.log2(10.0))
-        return self._gmpy2.context(self._gmpy2.get_context(), precision=bits)
+        # as with mpmath: roots of negative numbers are complex, and what is no number is an error
+        return self._gmpy2.context(
+            self._gmpy2.get_context(),
+            precision=bits,
+            allow_complex=True,
+            trap_invalid=True,
+            trap_divzero=True,
+        )
 
 
 @cache

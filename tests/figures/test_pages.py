@@ -180,6 +180,14 @@ def test_the_warning_comes_below_one_half_of_what_rays_reach(lit, dark, warns):
     assert "σ unknown from a single batch" in said
 
 
+def test_a_map_that_no_ray_reaches_says_so():
+    def nothing(_, layout):
+        return np.zeros(layout.n_cells, np.int64)
+
+    made = make(tables(rectangle(name="t", detector={"map": [4, 4]})), nothing, 2)
+    assert "Warning: no ray reached any of these bins" in footer(draw_irradiance(made, "t"))
+
+
 def test_the_lit_fraction_reads_alike_everywhere(capsys):
     def counts(_, layout):
         cells = np.full(layout.n_cells, 10, np.int64)

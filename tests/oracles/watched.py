@@ -14,10 +14,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from hostcode.program.spec import ProgramSpec
 from hostcode import templates
 from hostcode.device import device as devices
 from hostcode.program import build

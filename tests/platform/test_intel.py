@@ -82,6 +82,23 @@ def test_a_package_whose_files_are_gone_is_none(monkeypatch):
     assert intel_runtime.intel_library() is None
 
 
+@pytest.mark.parametrize("name", [VENDORS, "OPENCL_VENDOR_PATH", "OCL_ICD_FILENAMES"])
+def test_nothing_is_said_where_the_environment_names_registrations(installed, monkeypatch, name):
+    monkeypatch.setattr(intel_runtime.ctypes, "CDLL", lambda _: None)
+    assert intel_runtime.trouble([])
+    monkeypatch.setenv(name, "some.icd")
+    assert intel_runtime.trouble([]) == ""
+
+
+def test_that_there_is_no_place_to_register_it_is_said(installed, monkeypatch, tmp_path):
+    monkeypatch.setattr(intel_runtime, "_unwritable", [])
+    monkeypatch.setattr(intel_runtime.ctypes, "CDLL", lambda _: None)
+    monkeypatch.setattr(intel_runtime.tempfile, "tempdir", str(tmp_path / "none"))
+    with intel_runtime.registered():
+        assert VENDORS not in os.environ
+    assert "set TMPDIR" in intel_runtime.trouble([])
+
+
 def test_why_it_is_not_listed_is_said(installed, monkeypatch):
     assert intel_runtime.trouble(["PoCL", intel_runtime.PLATFORM]) == ""
     said = intel_runtime.trouble(["PoCL"])
@@ -89,8 +106,8 @@ def test_why_it_is_not_listed_is_said(installed, monkeypatch):
     assert "pip install intel-opencl-rt intel-cmplr-lib-rt" in said
     monkeypatch.setattr(intel_runtime.ctypes, "CDLL", lambda _: None)
     assert "had listed its platforms before" in intel_runtime.trouble([])
-    monkeypatch.setenv(VENDORS, "some.icd")
-    assert intel_runtime.trouble([]) == ""
+    monkeypatch.setattr(intel_runtime, "_system_has_one", lambda: True)
+    assert "what the system registers does not load" in intel_runtime.trouble([])
 
 
 # -- where it is installed -------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 
 from photizon_cl.atomic import reason, replacing, sweep
 from photizon_cl.errors import ArgumentError, show
-from photizon_cl.result.statistics import LIT_COUNT
+from photizon_cl.result.statistics import LIT_COUNT, known_part
 from photizon_cl.result.text import lit_percent
 from photizon_cl.views.figures.words import fitted, percent, wrapped
 from photizon_cl.views.shown import ShownFigure
@@ -333,11 +333,13 @@ def judged_by(result: Estimates) -> str:
 
 
 def _lit(counts: NDArray[np.int64]) -> tuple[str, bool]:
-    lit, reached = int((counts >= LIT_COUNT).sum()), int((counts > 0).sum())
-    if 2 * lit >= reached:
-        return f"{lit_percent(lit / max(counts.size, 1))} of bins carry at least 10 rays", False
-    part = lit_percent(lit / reached)
+    if not counts.any():
+        return "Warning: no ray reached any of these bins", True
+    known = known_part(counts)
+    if known >= 0.5:
+        part = float((counts >= LIT_COUNT).mean())
+        return f"{lit_percent(part)} of bins carry at least 10 rays", False
     return (
-        f"Warning: only {part} of the bins that rays reach carry at least 10; "
+        f"Warning: only {lit_percent(known)} of the bins that rays reach carry at least 10; "
         "the median σ says nothing of the others"
     ), True
