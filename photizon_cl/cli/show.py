@@ -17,6 +17,9 @@ __all__ = ["FORMATS", "add_arguments", "call"]
 
 FORMATS: Final = (".png", ".svg", ".pdf")
 _DPI: Final = 150
+_RAYS: Final = 10_000
+_SEGMENTS: Final = 100_000
+"""More are a tangle, and take a minute to draw."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -54,7 +57,18 @@ def call(arguments: argparse.Namespace) -> int:
     from photizon_cl.views.figures.style import check_figure, metadata, replace_figure
 
     check_figure(path)
+    if arguments.rays > _RAYS:
+        raise ArgumentError(
+            f"--rays: found {arguments.rays}, expected at most {_RAYS}: more cannot be told apart "
+            "in a drawing; photizon_cl.paths follows any number"
+        )
     found = paths(scene, arguments.rays, arguments.seed, device=arguments.device)
+    if len(found) > _SEGMENTS:
+        raise ArgumentError(
+            f"--rays: {arguments.rays} rays make {len(found)} segments, expected at most "
+            f"{_SEGMENTS}, which take a minute to draw: take fewer rays, or fewer interactions "
+            "with --set run.generation_cap=3"
+        )
     figure = draw_scene(found, arguments.by)
     kind = path.suffix.lower()[1:]
     try:

@@ -19,6 +19,10 @@ from photizon_cl.scene.reader import RepeatedKeys, read_scene
 from photizon_cl.scene.writing import SUFFIXES
 
 _TOML_PLACE: Final = re.compile(r" ?\(at (line \d+, column \d+|end of document)\)$")
+_UNIT: Final = re.compile(
+    r"[=\[,]\s*[-+]?\d[\d_]*(\.\d*)?([eE][-+]?\d+)?\s*(nm|[uµμ]?m|mm|cm|km|inch|in|deg|°|rad|m?W|%)"
+)
+"""A number with a unit behind it."""
 
 
 def load(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
@@ -133,9 +137,18 @@ def parse_toml(text: str, file: str | None = None) -> Any:
         match = _TOML_PLACE.search(message)
         reason = message[: match.start()] if match else message
         place = _line_and_column(text, match.group(1)) if match else ""
-        raise _fail(file, "a syntax error", "valid TOML", _one_line(reason), place) from None
+        reason = _one_line(reason)
+        if match and _with_unit(text, match.group(1)):
+            reason += "; numbers carry no units: lengths are in metres, and 250 mm is 0.25"
+        raise _fail(file, "a syntax error", "valid TOML", reason, place) from None
     except (ValueError, RecursionError) as error:
         raise _fail(file, "a syntax error", "valid TOML", _parser_limit(error)) from None
+
+
+def _with_unit(text: str, place: str) -> bool:
+    """Return whether letters follow a number where the parser stopped."""
+    line = re.match(r"line (\d+)", place)
+    return line is not None and bool(_UNIT.search(text.split("\n")[int(line[1]) - 1]))
 
 
 def parse_json(text: str, file: str | None = None) -> Any:

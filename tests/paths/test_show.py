@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -252,3 +253,18 @@ def test_a_detector_looks_to_the_side_that_it_counts(side, sign):
     assert len(shown) == 2
     for panel, drawn, _ in shown:
         assert drawn[panel.index("z")] * sign > 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["integrating-sphere", "--rays", "10001"], "--rays: found 10001, expected at most 10000"),
+        (["integrating-sphere", "--rays", "20"], "20 rays make .* segments, expected at most 100"),
+    ],
+)
+def test_a_tangle_is_refused_before_it_is_drawn(arguments, told, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("photizon_cl.cli.show._SEGMENTS", 100)
+    out = tmp_path / "scene.png"
+    assert main(["show", *arguments, "--out", str(out)]) == 2
+    assert re.search(told, capsys.readouterr().err)
+    assert not out.exists()
