@@ -94,7 +94,7 @@ def steep_rays():
     return np.array(rays)
 
 
-@pytest.mark.parametrize("make", [tiled_scene, filled_scene])
+@pytest.mark.parametrize("make", [pytest.param(tiled_scene, marks=pytest.mark.slow), filled_scene])
 def test_rays_all_but_along_the_axes_hit_what_the_plain_scan_hits(device, make):
     run = RunSettings(rays_per_batch=1024)
     scene, rays = make(1000, 6), steep_rays()

@@ -79,8 +79,18 @@ def test_the_scene_has_every_kind():
     assert set(preset_names()) <= set(watched.MORE)
 
 
+BRIEFLY = ("every kind", "every kind, through a tree")
+"""Cases that are looked at unless slow tests are asked for: the simulator takes its time."""
+
+
 @needs_oclgrind
-@pytest.mark.parametrize("name", watched.CASES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in BRIEFLY else pytest.mark.slow)
+        for name in watched.CASES
+    ],
+)
 def test_nothing_is_reported(name, tmp_path):
     clean(name, tmp_path)
 

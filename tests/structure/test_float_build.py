@@ -37,9 +37,6 @@ from photizon_docs.examples import example
 LANES = (1, 4)
 CASES = (("scan", ()), ("scan", ("contact",)), ("tree", ("contact",)))
 """How faces are sought, and what is forced on."""
-BRIEFLY = ((CASES[2], 1),)
-"""Those that are built unless slow tests are asked for; the presets and a scene of everything are
-searched face by face."""
 
 
 @cache
@@ -75,14 +72,15 @@ def test_presets(device: OpenDevice, preset: str, lanes: int) -> None:
     build_silently(device, compiled(preset).tables.spec, lanes, "wave")
 
 
-@pytest.mark.parametrize(
-    ("search", "forced", "lanes"),
-    [
-        pytest.param(*case, lanes, marks=() if (case, lanes) in BRIEFLY else pytest.mark.slow)
-        for case in CASES
-        for lanes in LANES
-    ],
-)
+def test_a_tree(device: OpenDevice) -> None:
+    scene = load("box-room")
+    made = compile_scene(scene, scene.run, **with_tree(True))
+    build_silently(device, made.tables.spec, 1, "wave")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lanes", LANES)
+@pytest.mark.parametrize(("search", "forced"), CASES)
 def test_every_kind(device: OpenDevice, search: str, forced: tuple[str, ...], lanes: int) -> None:
     scene = every_kind()
     made = compile_scene(scene, scene.run, **with_tree(search == "tree", frozenset(forced)))
