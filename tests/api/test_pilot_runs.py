@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
@@ -13,10 +15,11 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.rays import LEAST_WEIGHT
 from photizon_cl.result.file import read_file
 from photizon_cl.result.pilot import UNTOLD
-from photizon_cl.run import pilot as module
+from photizon_cl.run import distribution, speed, pilot as module
 from photizon_cl.run.checkpoint import CHECKPOINT, Keeper
 from photizon_cl.run.pilot import pilot
 
+ROOT = Path(__file__).resolve().parents[2]
 BALL = pz.Sphere(name="ball", position=(0, 0, 0), axis="+z", radius=1.0, surface=pz.Lambertian(0.5))
 
 
@@ -189,3 +192,26 @@ def test_a_pilot_that_was_given_up_is_not_sent_again(monkeypatch, tmp_path):
     assert again.info.pilot == result.info.pilot
     assert advice(again).endswith(UNTOLD)
     assert sent == [1]
+
+
+# -- without one ----------------------------------------------------------------------------------
+
+
+def test_check_without_a_pilot_traces_nothing(monkeypatch, capsys):
+    monkeypatch.setattr(module, "pilot", lambda *_, **__: pytest.fail("a pilot"))
+    monkeypatch.setattr(speed, "faster_runtime", lambda *_: pytest.fail("timed"))
+    monkeypatch.setattr(distribution, "open_device", lambda *_: pytest.fail("a device"))
+    assert main(["check", "box-room", "--no-pilot"]) == 0
+    out = capsys.readouterr().out
+    assert "pilot" not in out
+    assert "advisories: none" in out
+
+
+def test_with_an_executor_no_pilot_is_sent_and_the_docs_say_so(monkeypatch):
+    monkeypatch.setattr(module, "pilot", lambda *_, **__: pytest.fail("a pilot"))
+    with ThreadPoolExecutor(1) as executor:
+        result = pz.trace(scene(), batches=2, executor=executor)
+    assert result.info.pilot is None
+    assert f"{UNTOLD}: `photizon check` tells which" in advice(result)
+    text = (ROOT / "docs" / "guarantees.md").read_text(encoding="utf-8")
+    assert "light at the generation cap may differ with an executor" in text
