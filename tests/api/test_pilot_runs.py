@@ -15,7 +15,8 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.rays import LEAST_WEIGHT
 from photizon_cl.result.file import read_file
 from photizon_cl.result.pilot import UNTOLD
-from photizon_cl.run import distribution, speed, pilot as module
+from photizon_cl.run import distribution, speed
+from photizon_cl.run import pilot as module
 from photizon_cl.run.checkpoint import CHECKPOINT, Keeper
 from photizon_cl.run.pilot import pilot
 
