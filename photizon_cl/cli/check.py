@@ -30,11 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Check a scene; return the exit status."""
-    _print(load_scene(arguments), tracing=not arguments.no_pilot)
+    _print(load_scene(arguments), not arguments.no_pilot)
     return 0
 
 
-def _print(scene: Scene, *, tracing: bool) -> None:
+def _print(scene: Scene, tracing: bool) -> None:
     """Print what a valid scene describes, what follows from it, and the advisories."""
     from rich.text import Text
 
