@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from photizon_cl.scene.faces import Ball, Plane, Revolved
+from photizon_cl.scene.elements.flat import EDGES_TILTED
+from photizon_cl.scene.faces import Ball, Plane, Revolved, Straight
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -28,9 +29,11 @@ __all__ = ["coarse", "relative_error", "spacing"]
 _NOTED: Final = 1e-6
 """Relative error that is worth a word: no run sees less, since a standard error of as much takes
 about 10^12 rays; a run of an hour on a fast device reaches 10^-5."""
-_EDGES: Final = 10.0
-"""Roundings (2^-53 of the farthest coordinate) by which an edge may stand off: a tilted one stands
-off by 8, and where a ray meets it is rounded as well."""
+_MET: Final = 2.0
+"""Roundings of the place at which a ray meets an element."""
+_EDGES: Final = EDGES_TILTED[0] + _MET
+"""Roundings (2^-53 of the farthest coordinate) by which an edge may seem to stand off: as many as a
+hit may lie beyond it and count, at most (those of a tilted one), and those of the hit."""
 _NAMED: Final = 20
 """So many elements are named; of the others only how many there are."""
 _CLOSED: Final = 2.0**-40
@@ -92,11 +95,11 @@ def spacing(position: Iterable[float]) -> float:
 def relative_error(element: Element) -> tuple[float, float]:
     """Return by how much an element's areas may be wrong because of where it stands, and its size.
 
-    An edge stands off by at most δ = 10·2^-53·max(|x|, |y|, |z|) of the position. A face of half
-    sizes s and t changes its area by δ/s + δ/t to first order: faces count by their areas, so that
-    a narrow one of little area is no fault, and openings each by its own, since light goes through
-    them. The rim of an opening in a ball is where a plane cuts it, at the angle θ: it moves aside
-    by δ/sin θ.
+    An edge stands off by at most δ, `_EDGES` roundings of the position's farthest coordinate. A
+    face of half sizes s and t changes its area by δ/s + δ/t to first order: faces count by their
+    areas, so that a narrow one of little area is no fault, and openings each by its own, since
+    light goes through them. The rim of an opening in a ball is where a plane cuts it, at the angle
+    θ: it moves aside by δ/sin θ.
 
     Returns
     -------
@@ -144,8 +147,23 @@ def _extents(face: Face) -> tuple[tuple[float, float], list[float]]:
         return (max(u, v), width), [min(inner)] if min(inner) > 0.0 else []
     if not isinstance(face, Revolved):
         return (0.0, 0.0), []  # of its extents nothing is known
+    ends, widest, along = _profile(face)
+    return (max(widest, along), min(widest, along)), [r for r in ends if r > _CLOSED * widest]
+
+
+def _profile(face: Revolved) -> tuple[tuple[float, float], float, float]:
+    """Return a profile's radii at its ends, its largest one, and half its length.
+
+    From the parameters of the usual ones; there may be thousands.
+    """
+    if isinstance(face, Straight):
+        low, high = face.radii
+        return face.radii, max(low, high), math.hypot(high - low, face.length) / 2.0
+    if isinstance(face, Ball):
+        first, last = face.polar
+        ends = (abs(face.radius * math.sin(first)), abs(face.radius * math.sin(last)))
+        over = first <= math.pi / 2.0 <= last
+        return ends, face.radius if over else max(ends), face.radius * (last - first) / 2.0
     radius, height = face.profile(_PLACES)
-    widest = float(radius.max())
     along = math.fsum(map(math.hypot, np.diff(radius).tolist(), np.diff(height).tolist())) / 2.0
-    rims = [float(r) for r in radius[[0, -1]] if r > _CLOSED * widest]
-    return (max(widest, along), min(widest, along)), rims
+    return (float(radius[0]), float(radius[-1])), float(radius.max()), along

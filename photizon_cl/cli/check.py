@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from photizon_cl.cli.arguments import add_scene, load_scene
@@ -19,15 +21,20 @@ __all__ = ["add_arguments", "call"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
     add_scene(parser)
+    parser.add_argument(
+        "--no-pilot",
+        action="store_true",
+        help="trace nothing, neither a pilot nor to time devices: at once, and without a device",
+    )
 
 
 def call(arguments: argparse.Namespace) -> int:
     """Check a scene; return the exit status."""
-    _print(load_scene(arguments))
+    _print(load_scene(arguments), not arguments.no_pilot)
     return 0
 
 
-def _print(scene: Scene) -> None:
+def _print(scene: Scene, tracing: bool) -> None:
     """Print what a valid scene describes, what follows from it, and the advisories."""
     from rich.text import Text
 
@@ -72,29 +79,37 @@ def _print(scene: Scene) -> None:
                 line(f"map: u is {u}, v is {v}, the axis {w}", "    ")
     out.print()
     found = advisories(scene)
-    text, more = _pilot(scene)
-    line(text, "")
-    found += more
-    out.print()
+    if tracing:
+        text, more = _pilot(scene)
+        line(text, "")
+        found += more
+        out.print()
     out.print(Text(f"advisories: {len(found) or 'none'}", "bold"))
     for text in found:
         line(f"- {text}")
-    faster = faster_runtime()
+    faster = faster_runtime(_tell) if tracing else ""
     if faster:
         out.print()
         line(f"device: {faster}")
     out.print(f"{scene.digest()}", soft_wrap=True)
 
 
+def _tell(text: str) -> None:
+    """Say what takes a while, beside what was asked for."""
+    with suppress(OSError):
+        print(text, file=sys.stderr, flush=True)
+
+
 def _pilot(scene: Scene) -> tuple[str, list[str]]:
     """Return what a pilot found on one line, and what of that is worth a second look."""
-    from photizon_cl.errors import ArgumentError, RunError
+    from hostcode.errors import HostError
+    from photizon_cl.errors import PhotizonError
     from photizon_cl.run.pilot import pilot
 
     try:
         found = pilot(scene)
-    except (ArgumentError, RunError) as error:
-        return f"pilot: none was traced: {error}", []
+    except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
+        return f"pilot: none was traced: {str(error) or 'no memory is left for it'}", []
     advice = found.before(scene.run.rays_per_batch)
     return f"pilot: {found}", [advice] if advice else []
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.errors import show
-from photizon_cl.result.pilot import NEGLIGIBLE
+from photizon_cl.result.pilot import NEGLIGIBLE, UNTOLD
 from photizon_cl.result.stopping import LEAST_BATCHES
 from photizon_cl.result.text import lit_percent
 from photizon_cl.scene.elements.base import OTHER_SIDE
@@ -18,10 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["run_advisories"]
 
-_UNTOLD: Final = (
-    "raise generation_cap; where a higher one cuts as much, the light is trapped, by total "
-    "reflection or by faces that take nothing, and no cap helps: `photizon check` tells which"
-)
 _LIT: Final = 0.5  # part of the map bins that should be lit
 
 
@@ -84,10 +80,11 @@ def _turn(element: Element) -> str:
 def _capped(result: Estimates) -> Iterator[str]:
     part = result.ledger.depth_capped.value / result.ledger.emitted.value
     if part > NEGLIGIBLE:
+        pilot = result.info.pilot
         yield (
             f"{part:.2e} of the emitted power was still under way at the generation cap of "
             f"{result.scene.run.generation_cap} and went to the depth-capped row; "
-            + (_UNTOLD if result.info.pilot is None else result.info.pilot.remedy())
+            + (f"{UNTOLD}: `photizon check` tells which" if pilot is None else pilot.remedy())
         )
 
 

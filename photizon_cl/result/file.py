@@ -253,7 +253,7 @@ def _read(path: Path) -> Estimates:
         cells=arrays.get("cells"),
     )
     tally = Accumulator.of(compiled.layout, state)
-    info = read_info(attrs, arrays)
+    info = read_info(attrs, arrays, compiled.settings)
     check_tally(compiled, state, tally, info)
     return Estimates(compiled, tally, info)
 

@@ -13,9 +13,12 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import astuple, dataclass
-from typing import Final, Self
+from typing import TYPE_CHECKING, Final, Self
 
-__all__ = ["NEGLIGIBLE", "Pilot"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["NEGLIGIBLE", "UNTOLD", "Pilot"]
 
 NEGLIGIBLE: Final = 1e-6
 """Part of the emitted power in the depth-capped row that is worth no word."""
@@ -33,6 +36,16 @@ any way that a cap could use."""
 _LONG: Final = 1e8
 """Interactions of a batch that take many seconds on a few cores."""
 _BY: Final = "by total reflection or by faces that take nothing"
+UNTOLD: Final = (
+    f"raise generation_cap; where a higher one cuts as much, the light is trapped, {_BY}, and no "
+    "cap helps"
+)
+"""What to do where no pilot told."""
+_SAME: Final = 1e-9
+"""Part by which power that is under way may change and count as the same."""
+_RAISED: Final = 2.0**20
+"""Times the emitted power that may be under way: roulette adds to some rays what it takes of
+others, and evens that out only on average."""
 _UNSEEN: Final = 3.0
 """Events of which none is seen with a probability of 5 %."""
 
@@ -74,31 +87,55 @@ class Pilot:
         return dict(self.left).get(self.cap, 0.0)
 
     @property
-    def lost(self) -> float:
-        """Part of what was under way at half the largest cap that was gone at that cap."""
-        (_, before), (_, after) = self.left[-2:] if len(self.left) > 1 else ((0, 0.0),) * 2
-        return 1.0 - after / before if before > 0.0 else 1.0
-
-    @property
     def needed_cap(self) -> int | None:
         """Cap that leaves about `NEGLIGIBLE`, to two digits; None where no cap seems to.
 
-        By the slope of ln A between the last two caps at which enough is left to measure it; where
-        A itself was followed down to `NEGLIGIBLE`, at least where it went through.
+        By the slope of ln A between the last two caps at which enough is left to measure it. Where
+        A went down to `NEGLIGIBLE` at a cap that was tried, at least where it went through; and at
+        most there where the slope says nothing of that, as with light that all ends at once.
         """
-        points = [point for point in self.left if point[1] > NEGLIGIBLE]
-        beyond = next((point for point in self.left if 0.0 < point[1] <= NEGLIGIBLE), None)
-        reached = len(points) < len(self.left)
-        if len(points) < 2:
-            # one cap alone gives no slope; the next one, where there is, had nothing left
-            return self.left[-1][0] if reached else None
-        if not reached and self.lost < _STEADY:
+        points, through = self._points, self._through
+        if through is None and (len(points) < 2 or self._lost < _STEADY):
             return None
         solid = [point for point in points if point[1] * self.rays >= _COUNTED]
-        found = _crossing(*(solid if len(solid) > 1 else points)[-2:])
-        if beyond is not None:
-            found = max(found, _crossing(points[-1], beyond))
+        found, there = math.inf, math.inf
+        for some in (solid, points):
+            if len(some) > 1 and found > _MOST:
+                one, other = some[-2:]
+                found = _crossing(one, other)
+                if through is not None and found <= _MOST:
+                    there = _along(one, other, through[0])
+        if through is not None:
+            # so many rays would still be under way there by the slope, and none is
+            refuted = there * self.rays > _UNSEEN
+            if through[1] > 0.0 and points:
+                passed = _crossing(points[-1], through)
+                found = passed if refuted else max(found, passed)
+            elif refuted:
+                return through[0]
+        found = max(found, points[-1][0] + 1.0) if points else found
         return _rounded_up(found) if found <= _MOST else None
+
+    @property
+    def _through(self) -> tuple[int, float] | None:
+        """The first cap beyond the scene's that leaves no more than `NEGLIGIBLE`."""
+        return next((p for p in self.left if p[0] > self.cap and p[1] <= NEGLIGIBLE), None)
+
+    @property
+    def _points(self) -> list[tuple[int, float]]:
+        """Caps before that one at which more is left."""
+        through = self._through
+        end = math.inf if through is None else through[0]
+        return [(m, part) for m, part in self.left if m < end and part > NEGLIGIBLE]
+
+    @property
+    def _lost(self) -> float:
+        """Part that the last of those caps took of what was under way at the one before.
+
+        Not negative: roulette may add a little.
+        """
+        (_, before), (_, after) = self._points[-2:]
+        return max(1.0 - after / before, 0.0)
 
     def __str__(self) -> str:
         more = "" if self.complete else "more than "
@@ -135,18 +172,27 @@ class Pilot:
 
     def remedy(self) -> str:
         """Return what to do about power in the depth-capped row."""
-        if not self.complete or self.capped <= NEGLIGIBLE:
+        if not self.complete:
+            return UNTOLD
+        if self.capped <= NEGLIGIBLE:
             return "raise generation_cap"
         needed, last = self.needed_cap, self.left[-1][0]
         if needed is None:
-            return self._held()
+            return self._held() if len(self._points) > 1 else UNTOLD
+        if (needed, 0.0) == self._through:
+            return f"raise generation_cap to {needed}, where all rays of the pilot had ended"
         by = "" if needed <= last else f", by the decay up to a cap of {last}"
         return f"raise generation_cap to about {needed}, which leaves about 1e-6{by}"
 
     def _held(self) -> str:
         """Say what is known of light of which little or nothing is lost any more."""
-        cap, left = self.left[-1]
-        start = next((m for m, part in self.left if 1.0 - left / part < 1e-9), cap)
+        points = self._points
+        cap, left = points[-1]
+        start = cap
+        for m, part in reversed(points):  # back to where it was more
+            if part > left * (1.0 + _SAME):
+                break
+            start = m
         if start < cap:
             # that each had this chance of being lost, and none was, has a probability of 5 %
             most = _UNSEEN / (left * self.rays * (cap - start))
@@ -158,9 +204,9 @@ class Pilot:
             )
         return (
             f"at a cap of {cap} {self.rays} rays of a pilot have {_percent(left)} left, and the "
-            f"last doubling of the cap took {_percent(self.lost)} of it. Either most of it is "
+            f"last doubling of the cap took {_percent(self._lost)} of it. Either most of it is "
             f"trapped, {_BY}, or it decays so slowly that it would take a cap of "
-            f"about {_crossing(*self.left[-2:]):.0e}: a higher cap hardly helps; let something "
+            f"about {_crossing(*points[-2:]):.0e}: a higher cap hardly helps; let something "
             "absorb it or open a way out"
         )
 
@@ -171,8 +217,15 @@ class Pilot:
         return json.dumps(astuple(self), allow_nan=False)
 
     @classmethod
-    def read(cls, text: object) -> Self:
+    def read(cls, text: object, generation_cap: int) -> Self:
         """Return what `text` wrote.
+
+        Parameters
+        ----------
+        text : object
+            What a file has for one.
+        generation_cap : int
+            Of the file's scene.
 
         Raises
         ------
@@ -185,22 +238,32 @@ class Pilot:
             rays, cap, interactions, missed, left, complete = json.loads(text)
             points = tuple((_whole(m), float(part)) for m, part in left)
             made = cls(
-                _whole(rays), _whole(cap), float(interactions), float(missed), points,
-                complete is True,
+                _whole(rays), _whole(cap), float(interactions), float(missed), points, complete
             )  # fmt: skip
         except (TypeError, ValueError, OverflowError, RecursionError) as error:
             raise ValueError(f"its pilot is none: {error}") from None
         caps = [m for m, _ in points]
+        tried = list(made._tried(len(caps)))
         fits = (
             1 <= made.rays <= _MOST_RAYS
+            and 1 <= made.cap == generation_cap <= _MOST
             and 0.0 <= made.interactions < math.inf
-            and all(0.0 <= part <= 1.0 for part in (made.missed, *(part for _, part in points)))
-            and caps == sorted(set(caps))
-            and all(1 <= m <= _MOST for m in (made.cap, *caps))
+            and all(0.0 <= part <= _RAISED for _, part in points)
+            and 0.0 <= made.missed <= 1.0
+            and caps == tried
+            and made.complete is (made.cap in caps)
         )
         if not fits:
             raise ValueError("its pilot has numbers that cannot be")
         return made
+
+    def _tried(self, most: int) -> Iterator[int]:
+        """Give the first of the caps that a pilot tries, see `left`."""
+        cap = self.cap
+        caps = [*([cap // 2] if cap > 1 else []), cap]
+        while len(caps) < most and caps[-1] < _MOST:
+            caps.append(min(2 * caps[-1], _MOST))
+        yield from caps[:most]
 
 
 def _whole(value: object) -> int:
@@ -209,12 +272,22 @@ def _whole(value: object) -> int:
     raise TypeError("a number in it is not whole")
 
 
+def _slope(one: tuple[int, float], other: tuple[int, float]) -> float:
+    """Return by how much ln A falls an interaction between two points."""
+    return math.log(one[1] / other[1]) / (other[0] - one[0])
+
+
 def _crossing(one: tuple[int, float], other: tuple[int, float]) -> float:
     """Return where the line through two points of ln A meets `NEGLIGIBLE`."""
-    slope = math.log(one[1] / other[1]) / (other[0] - one[0])
+    slope = _slope(one, other)
     if slope <= 0.0:
         return math.inf
     return other[0] + math.log(other[1] / NEGLIGIBLE) / slope
+
+
+def _along(one: tuple[int, float], other: tuple[int, float], cap: int) -> float:
+    """Return A at a later cap by the line through two points of ln A."""
+    return other[1] * math.exp(_slope(one, other) * (other[0] - cap))
 
 
 def _rounded_up(value: float) -> int:

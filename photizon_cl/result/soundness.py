@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.result.statistics import Accumulator, AccumulatorState
+    from photizon_cl.scene.settings import RunSettings
 
 __all__ = ["check_shapes", "check_tally", "integer", "read_info"]
 
@@ -153,8 +154,17 @@ def _history(
     return tuple(rows)
 
 
-def read_info(attrs: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> RunInfo:
+def read_info(
+    attrs: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], settings: RunSettings
+) -> RunInfo:
     """Return how a result came about, from the attributes and arrays of its group.
+
+    Parameters
+    ----------
+    attrs, arrays : mapping
+        By name.
+    settings : RunSettings
+        Of the file's scene.
 
     Raises
     ------
@@ -164,6 +174,7 @@ def read_info(attrs: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> R
     precision, stopped = _text(attrs, "precision"), _text(attrs, "stopped", "")
     if precision != "fp64" or stopped not in _STOPPED:
         raise ValueError("it was run in a way that this version does not know")
+    pilot = Pilot.read(attrs["pilot"], settings.generation_cap) if "pilot" in attrs else None
     return RunInfo(
         device=_text(attrs, "device"),
         precision=precision,
@@ -176,7 +187,7 @@ def read_info(attrs: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> R
         worst_closure=integer(attrs["worst_closure"], "worst_closure", 2**126),
         goal=_goal(attrs),
         history=_history(arrays),
-        pilot=Pilot.read(attrs["pilot"]) if "pilot" in attrs else None,
+        pilot=pilot,
     )
 
 

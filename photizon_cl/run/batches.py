@@ -204,7 +204,7 @@ def _add_batches(
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
     full = ""
-    history, pilot = History(info.history, info.seconds), info.pilot
+    history = History(info.history, info.seconds)
 
     def so_far(stopped: str = "") -> RunInfo:
         return dataclasses.replace(
@@ -216,7 +216,6 @@ def _add_batches(
             worst_closure=worst,
             history=history.rows,
             stopped=stopped,
-            pilot=pilot,
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
@@ -250,22 +249,30 @@ def _add_batches(
             close = getattr(chunks, "close", None)
             if close is not None:
                 close()
-        if executor is None and pilot is None:
-            pilot = pilot_of_capped(compiled, tally, chosen, plan, interrupted)
-    if not tally.batches:
-        if interrupted():
-            raise KeyboardInterrupt
-        raise RunError(full or runner.complaint() or _no_batch(compiled, clock))
-    history.note(compiled.layout, tally, clock.elapsed(), last=True)
-    full = full or (runner.complaint() if runner.full() else "")
-    stopped = "interrupt" if interrupted() else "memory" if full else "time"
-    if stopped == "memory":
-        warnings.warn(full, RunWarning, stacklevel=4)
-    if goal.reached(compiled.layout, tally):
-        stopped = "batches" if tally.batches == goal.batches else "target"
-    result = type(start)(compiled, tally, so_far(stopped))
-    if keeper is not None:
-        keeper.note(lambda: result, last=True)
+        if not tally.batches:
+            if interrupted():
+                raise KeyboardInterrupt
+            raise RunError(full or runner.complaint() or _no_batch(compiled, clock))
+        history.note(compiled.layout, tally, clock.elapsed(), last=True)
+        full = full or (runner.complaint() if runner.full() else "")
+        stopped = "interrupt" if interrupted() else "memory" if full else "time"
+        if stopped == "memory":
+            warnings.warn(full, RunWarning, stacklevel=4)
+        if goal.reached(compiled.layout, tally):
+            stopped = "batches" if tally.batches == goal.batches else "target"
+        # what was run is kept, with its time, before anything is done to tell more of it
+        result = type(start)(compiled, tally, so_far(stopped))
+        if keeper is not None:
+            keeper.note(lambda: result, last=True)
+        if executor is None and info.pilot is None:
+            pilot = pilot_of_capped(
+                compiled, tally, chosen, plan, lambda: interrupted() or clock.over()
+            )
+            if pilot is not None:
+                info = dataclasses.replace(result.info, pilot=pilot)
+                result = type(start)(compiled, tally, info)
+                if keeper is not None:
+                    keeper.note(lambda: result, last=True)
     return result
 
 

@@ -10,15 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from hostcode.device.device import explain_choice, preferred_lanes, survey
+from hostcode.device.device import explain_choice, survey
 from hostcode.device.memory import room
 from hostcode.errors import DeviceError
-from hostcode.program.plan import default_plan
 from hostcode.run.queue import Queue
 from hostcode.run.sizes import Sizes
 from hostcode.run.tally import CELL, SparseTally, is_sparse
 from photizon_cl.errors import RunError, show
 from photizon_cl.result.sums import SPARSE_CELL
+from photizon_cl.run.distribution import usual_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -348,8 +348,7 @@ def on_usual_device(compiled: CompiledScene) -> str:
         record = explain_choice(records=survey().records).record
     except DeviceError as error:
         return f"not known without a device ({str(error).splitlines()[0]})"
-    plan = default_plan(record, preferred_lanes(record, compiled.tables.spec.effects))
-    return statement(compiled, record, plan, room())
+    return statement(compiled, record, usual_plan(record, compiled.tables), room())
 
 
 def _listed(parts: dict[str, int]) -> str:

@@ -7,15 +7,14 @@ import time
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final
 
-from hostcode.device.device import preferred_lanes
-from hostcode.errors import Abandoned
-from hostcode.program.plan import default_plan
+from hostcode.errors import Abandoned, HostError
 from hostcode.run.tally import exact, whole_of
 from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.errors import RunError
+from photizon_cl.compile.rays import LEAST_WEIGHT, ray_weights, share_rays
+from photizon_cl.errors import PhotizonError
 from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
-from photizon_cl.run.distribution import device_failures, open_chosen
+from photizon_cl.run.distribution import device_failures, open_chosen, usual_plan
 from photizon_cl.scene.settings import MAX_GENERATION_CAP, FarField
 
 if TYPE_CHECKING:
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.settings import RunSettings
 
 __all__ = ["pilot"]
 
@@ -37,6 +37,8 @@ _BUDGET: Final = 1 << 21
 that what is said does not depend on the machine."""
 _SECONDS: Final = 1.0
 """Time at which a device that is far slower gives up all the same."""
+_ENOUGH: Final = 1.0 + 2.0**-40
+"""Times the least weight that a ray is raised to, which rounding does not take below it."""
 _STEPS: Final = 128
 """Steps of a packet between two looks at the budget."""
 
@@ -66,12 +68,12 @@ def pilot(
     Raises
     ------
     ArgumentError, RunError
-        Where there is no usable device, or it fails.
+        Where there is no usable device, or it fails, or the scene cannot be traced at all.
     """
     cap = scene.run.generation_cap
     rays = max(_RAYS, len(scene.source))
     settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
-    flight = _Flight(compile_scene(_without_bins(scene), settings), device, plan, stop)
+    flight = _Flight(_compiled(_without_bins(scene), settings), device, plan, stop)
     left: list[tuple[int, float]] = []
     missed = interactions = 0.0
     complete = False
@@ -99,8 +101,9 @@ def pilot_of_capped(
 ) -> Pilot | None:
     """Trace a pilot where a run's rays reached the generation cap, to tell what can be done.
 
-    None where they did not, where the run was asked to end, or where the pilot fails: the run's
-    outcome stands without it.
+    None where they did not, where the pilot was asked to end, or where it fails, in whatever way:
+    the run's outcome stands without it. One that could not follow its rays to the cap is told as
+    such, so that a run which goes on does not send it again.
     """
     if not tally.batches or stop():
         return None
@@ -109,9 +112,33 @@ def pilot_of_capped(
         return None
     try:
         found = pilot(compiled.scene, device, plan, stop=stop)
-    except RunError:
+    except (PhotizonError, HostError, MemoryError):
         return None
-    return found if found.complete else None
+    return found if found.complete or not stop() else None
+
+
+def _compiled(scene: Scene, settings: RunSettings) -> CompiledScene:
+    """Compile a scene for a pilot's few rays.
+
+    Where a source has one ray of a few hundred and one of the run's many, that ray may be too weak
+    for the tally beside the others' heavier ones. It is then made as strong as need be: all of the
+    source is some 10^-12 of the power all the same.
+    """
+    rays = share_rays(scene, settings.rays_per_batch)
+    unit_power, weights = ray_weights(scene, rays)
+    least = _ENOUGH * LEAST_WEIGHT
+    if min(weights) < least:
+        # shares are what they were, whatever the flux is now
+        sources = tuple(
+            dataclasses.replace(
+                source,
+                flux=source.flux if weight >= least else least * unit_power * n,
+                share=source.flux if source.share is None else source.share,
+            )
+            for source, weight, n in zip(scene.source, weights, rays, strict=True)
+        )
+        scene = dataclasses.replace(scene, source=sources)
+    return compile_scene(scene, settings)
 
 
 class _Flight:
@@ -134,9 +161,7 @@ class _Flight:
     ) -> None:
         self.compiled = compiled
         self.opened = open_chosen(device)
-        if plan is None:
-            lanes = preferred_lanes(self.opened.record, compiled.tables.spec.effects)
-            plan = default_plan(self.opened.record, lanes)
+        plan = plan or usual_plan(self.opened.record, compiled.tables)
         self.plan = plan.with_(
             wave_rays=compiled.settings.rays_per_batch, max_bounces=min(_STEPS, plan.max_bounces)
         )

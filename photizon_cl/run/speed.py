@@ -19,7 +19,7 @@ from photizon_cl.scene.files import load
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from hostcode.device.device import DeviceRecord
 
@@ -34,11 +34,16 @@ _ROUNDS: Final = 5
 _BATCHES: Final = 8
 
 
-def faster_runtime() -> str:
+def faster_runtime(tell: Callable[[str], object] = lambda _: None) -> str:
     """Return a line about a runtime that is faster than the default one; empty where there is none.
 
     Asks OpenCL only where Intel's runtime is installed. The first time takes some seconds, most of
     them the compilers', and later ones as long as listing the devices.
+
+    Parameters
+    ----------
+    tell : callable, optional
+        Given a line before that first time.
     """
     if not intel_runtime.intel_is_installed():
         return ""
@@ -49,7 +54,7 @@ def faster_runtime() -> str:
         if not default.is_pocl or default.type != "cpu" or not others:
             return ""
         other = others[0]
-        usual, found = rates((default, other))
+        usual, found = rates((default, other), tell)
     except (HostError, PhotizonError):  # a device that is refused: `photizon devices` says why
         return ""
     if found < WORTH_TELLING * usual:
@@ -60,8 +65,17 @@ def faster_runtime() -> str:
     )
 
 
-def rates(records: Sequence[DeviceRecord]) -> list[float]:
+def rates(
+    records: Sequence[DeviceRecord], tell: Callable[[str], object] = lambda _: None
+) -> list[float]:
     """Return interactions per second of each device, measured in turn once and then remembered.
+
+    Parameters
+    ----------
+    records : sequence of DeviceRecord
+        The devices.
+    tell : callable, optional
+        Given a line before they are measured.
 
     Raises
     ------
@@ -72,6 +86,10 @@ def rates(records: Sequence[DeviceRecord]) -> list[float]:
     found = [rate for rate in known if rate is not None]
     if len(found) == len(records):
         return found
+    names = " and ".join(record.platform for record in records)
+    tell(
+        f"timing {names} on {_PRESET}, once on this machine: some seconds, most to compile for them"
+    )
     found = _measured(records)
     for record, rate in zip(records, found, strict=True):
         known_passes.remember_rate(record.key, _TEST, rate)

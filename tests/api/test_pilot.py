@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
-from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
+from photizon_cl.result.pilot import NEGLIGIBLE
 from photizon_cl.run import pilot as module
 from photizon_cl.run.pilot import pilot
 
@@ -234,23 +232,3 @@ def test_without_a_pilot_both_possibilities_are_said(monkeypatch):
 def test_a_run_that_caps_nothing_traces_no_pilot(monkeypatch):
     monkeypatch.setattr(module, "pilot", lambda *_, **__: pytest.fail("a pilot"))
     assert pz.trace("box-room", batches=1, rays_per_batch=64).info.pilot is None
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {0: 0}, {0: 1.5}, {0: True}, {1: 2**20}, {2: -1.0}, {2: float("inf")}, {3: 1.5},
-        {4: [[16, 2.0]]}, {4: [[32, 0.5], [16, 0.5]]}, {4: [[0, 0.5]]}, {4: 3}, {4: [[16]]},
-    ],
-)  # fmt: skip
-def test_a_pilot_in_a_file_is_checked(change):
-    good = Pilot(512, 32, 3.0, 0.25, ((16, 0.5), (32, 0.25)))
-    assert Pilot.read(good.text()) == good
-    values = json.loads(good.text())
-    for place, value in change.items():
-        values[place] = value
-    with pytest.raises(ValueError, match="its pilot"):
-        Pilot.read(json.dumps(values))
-    for text in ("", "[]", "{}", "[" * 2000, "x" * 5000, 7):
-        with pytest.raises(ValueError, match="its pilot"):
-            Pilot.read(text)

@@ -178,6 +178,24 @@ def test_nothing_is_asked_where_it_is_not_installed(monkeypatch):
     assert speed.faster_runtime() == ""
 
 
+def test_it_is_said_before_it_is_timed(both, monkeypatch, capsys):
+    said = []
+
+    def measured(records):
+        said.append(capsys.readouterr().err)
+        return [2e7, 2e7]
+
+    monkeypatch.setattr(speed, "_measured", measured)
+    monkeypatch.setattr(known_passes, "remember_rate", lambda *_: None)
+    assert main(["check", "cosine-fourth"]) == 0
+    (text,) = said
+    assert text.startswith(f"timing {both[0].platform} and {both[1].platform} on box-room, once")
+    assert text.count("\n") == 1
+    monkeypatch.setattr(known_passes, "rate_of", lambda *_: 2e7)
+    assert main(["check", "cosine-fourth"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_who_chose_it_is_not_told(both, monkeypatch):
     monkeypatch.setenv("PHOTIZON_DEVICE", "intel")
     monkeypatch.setattr(speed, "rates", lambda records: pytest.fail("measured"))

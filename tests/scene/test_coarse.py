@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.checks.coarse import relative_error, spacing
+from photizon_cl.checks.coarse import _EDGES, _extents, relative_error, spacing
+from photizon_cl.scene.elements.flat import EDGES_TILTED
+from photizon_cl.scene.faces import Ball, Revolved, Straight
 
+ROOT = Path(__file__).resolve().parents[2]
 BLACK = pz.Absorber()
 LAMP = pz.IsotropicPoint(name="lamp", flux=1, position=(0, 0, 0))
 
@@ -113,3 +117,46 @@ def test_many_are_told_in_a_few_lines():
     found = [text for text in pz.advisories(scene) if "origin" in text or "distances" in text]
     assert len(found) == 21
     assert found[-1].startswith("480 more elements")
+
+
+@pytest.mark.parametrize(
+    "face",
+    [
+        Straight(name="f", radii=(0.3, 1.0), length=2.0),
+        Straight(name="f", radii=(1e-8, 1e-8), length=5.0),
+        Ball(name="f", radius=2.0),
+        Ball(name="f", radius=2.0, polar=(0.0, 1e-6)),
+        Ball(name="f", radius=2.0, polar=(1e-7, 3.0)),
+        Ball(name="f", radius=2.0, polar=(0.2, 0.9), pole=-1.0),
+        Ball(name="f", radius=2.0, polar=(2.0, math.pi)),
+    ],
+    ids=str,
+)
+def test_extents_from_parameters_are_those_of_the_profile(face):
+    class Other(Revolved):
+        def profile(self, s):
+            return face.profile(s)
+
+    sizes, openings = _extents(face)
+    profile, rims = _extents(Other(name="f"))
+    assert sizes == pytest.approx(profile, rel=2e-3)  # a polyline of 32 parts is shorter
+    assert openings == pytest.approx(rims, rel=1e-12)
+
+
+def test_thousands_of_elements_cost_no_profile_each(monkeypatch):
+    """What is needed of a ball or a straight profile follows from its parameters."""
+    for kind in (Ball, Straight):
+        monkeypatch.setattr(kind, "profile", lambda *_: pytest.fail("a profile"))
+    elements = [
+        made(pz.Sphere, 1.0, radius=1.0, port_radius=0.1),
+        made(pz.Cone, 1.0, entrance_radius=1.0, exit_radius=0.1, length=1.0),
+        made(pz.Cylinder, 1.0, radius=1.0, length=1.0),
+        made(pz.Biconvex, 1.0, front_radius=1.0, back_radius=1.0, aperture_radius=0.1),
+    ]
+    assert all(0.0 < relative_error(element)[0] < 1e-12 for element in elements)
+
+
+def test_as_many_roundings_are_told_as_are_documented():
+    text = " ".join((ROOT / "docs" / "conventions.md").read_text(encoding="utf-8").split())
+    assert f"a hit counts up to {EDGES_TILTED[0]:.0f} roundings (2⁻⁵³)" in text
+    assert f"reckons with {_EDGES:.0f}, the hit being rounded too" in text
