@@ -225,9 +225,11 @@ def test_names_are_never_markup(run, tmp_path):
 
 @pytest.mark.parametrize("preset", [p.name for p in presets().values()])
 def test_check_prints_what_follows(preset, run):
-    status, out, err = run("check", preset)
+    pilot = preset == "integrating-sphere"
+    status, out, err = run("check", preset, *([] if pilot else ["--no-pilot"]))
     assert (status, err) == (0, "")
     assert "advisories" in out
+    assert ("pilot: 512 rays" in out) is pilot
     assert max(map(len, out.splitlines()[:-1])) <= 80
     if preset == "integrating-sphere":
         assert "sphere multiplier 6.8965" in " ".join(out.split())
