@@ -37,6 +37,7 @@ __all__ = [
     "on_usual_device",
     "refusal",
     "statement",
+    "too_large",
 ]
 
 _PROGRAM: Final = 256 << 20
@@ -189,6 +190,44 @@ def human(size: float) -> str:
     return f"{shown:.3g} {unit}" if shown < 999.5 else f"{shown:.0f} {unit}"
 
 
+def too_large(
+    record: DeviceRecord, parts: dict[str, int], largest: tuple[str, int], left: Room | None = None
+) -> tuple[str, str]:
+    """Say why a device cannot hold its buffers, and which part is to be less; else nothing.
+
+    Parameters
+    ----------
+    record : DeviceRecord
+        The device.
+    parts : dict of str to int
+        Bytes of the buffers by part.
+    largest : tuple of (str, int)
+        The part with the largest single one, and its bytes.
+    left : Room or None, optional
+        What this process may still take, where the buffers count among that and nothing else does.
+    """
+    part, size = largest
+    if size > record.max_allocation:
+        why = (
+            f"{_WORDS[part]} takes {human(size)} in one piece, and {record.label} gives at most "
+            f"{human(record.max_allocation)}"
+        )
+        return why, part
+    whole = sum(parts.values())
+    part = max(parts, key=parts.__getitem__, default="")
+    if whole > record.global_memory:
+        has = f"{record.label} has {human(record.global_memory)}"
+    elif left is not None and whole > left.left:
+        has = f"{human(left.left)} are left of {left.what} ({human(left.limit)})"
+    else:
+        return "", ""
+    why = (
+        f"the device's buffers take {human(whole)}, most of it {_WORDS[part]} "
+        f"({human(parts[part])}), and {has}"
+    )
+    return why, part
+
+
 def refusal(
     compiled: CompiledScene, needs: Needs, record: DeviceRecord | None, left: Room | None
 ) -> str:
@@ -206,20 +245,9 @@ def refusal(
         What this process may still take, None where that is not known.
     """
     if record is not None:
-        part, size = needs.largest_buffer
-        if size > record.max_allocation:
-            return (
-                f"{_WORDS[part]} takes {human(size)} in one piece, and {record.name} gives at most "
-                f"{human(record.max_allocation)}: {_advice(compiled, part)}"
-            )
-        whole = sum(needs.device.values())
-        if whole > record.global_memory:
-            part = max(needs.device, key=needs.device.__getitem__)
-            return (
-                f"the device's buffers take {human(whole)}, most of it {_WORDS[part]} "
-                f"({human(needs.device[part])}), and {record.name} has "
-                f"{human(record.global_memory)}: {_advice(compiled, part)}"
-            )
+        why, part = too_large(record, needs.device, needs.largest_buffer)
+        if why:
+            return f"{why}: {_advice(compiled, part)}"
     if left is None or needs.most_at_a_time + _PROGRAM <= left.left:
         return ""
     phases = (needs.tracing, needs.at_the_end)
