@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import pickle
+import threading
 import warnings
 import weakref
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import pytest
 from plates import GB, line_of, parts, scene
@@ -18,16 +20,17 @@ from hostcode.run import queue, tally
 from hostcode.run.sizes import Sizes
 from photizon_cl.cli.main import main
 from photizon_cl.errors import NoRoomError, RunWarning
-from photizon_cl.run import batches, distribution, memory, workers
+from photizon_cl.run import batches, distribution, memory, task, workers
+from photizon_cl.run.chunks import Task, tables_digest
 
 
-def no_more_after(monkeypatch, n):
+def no_more_after(monkeypatch, n, where=lambda: True):
     """Have the queue be full in all batches from the n-th on, wherever they are traced."""
     usual = distribution.Engine.run
 
     def run(self, first, count):
         for batch in range(first, first + count):
-            if batch >= n:
+            if batch >= n and where():
                 raise queue.QueueFull("more rays split off than may wait")
             yield from usual(self, batch, 1)
 
@@ -89,21 +92,108 @@ def test_batches_count_where_there_is_no_room_for_an_engine_any_more(monkeypatch
     assert found.tally_digest == two.tally_digest
 
 
+def in_a_worker():
+    """Say whether this thread is one of an executor's."""
+    return threading.current_thread() is not threading.main_thread()
+
+
+def with_workers(pool, **how):
+    """Trace with an executor; return the result and the warnings."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        found = pz.trace("cosine-fourth", executor=pool, **how)
+    return found, [line_of(w.message) for w in said if issubclass(w.category, RunWarning)]
+
+
+HOW = {"batches": 16, "rays_per_batch": 512}
+
+
 @pytest.mark.parametrize("rays_of_a_task", [512, 4 * 512])
 def test_a_worker_without_room_ends_a_run_as_this_process_does(monkeypatch, rays_of_a_task):
     no_more_after(monkeypatch, 7)
     monkeypatch.setattr(workers, "_RAYS_OF_A_TASK", rays_of_a_task)
-    how = {"batches": 16, "rays_per_batch": 512}
     with pytest.warns(RunWarning, match="more rays split off than may wait"):
-        here = pz.trace("cosine-fourth", **how)
-    with ThreadPoolExecutor(2) as pool, warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        there = pz.trace("cosine-fourth", executor=pool, **how)
-    (line,) = [str(w.message) for w in said if issubclass(w.category, RunWarning)]
-    assert "more rays split off than may wait" in line
+        here = pz.trace("cosine-fourth", **HOW)
+    with ThreadPoolExecutor(2) as pool:
+        there, said = with_workers(pool, **HOW)
+    assert said[-1] == "more rays split off than may wait"
+    # batches 4 to 6 of the task of four are traced here, one by one
+    first = ["batches 4 to 7: a worker of the executor has no room"] if rays_of_a_task > 512 else []
+    assert [line.split(" (")[0] for line in said[:-1]] == first
     assert here.info.stopped == there.info.stopped == "memory"
     assert here.batches == there.batches == 7
     assert here.tally_digest == there.tally_digest
+
+
+class Counting(ThreadPoolExecutor):
+    """Counts the tasks that it is given."""
+
+    tasks = 0
+
+    def submit(self, *arguments, **more):
+        self.tasks += 1
+        return super().submit(*arguments, **more)
+
+
+def test_where_workers_have_no_room_and_this_process_has(monkeypatch):
+    whole = pz.trace("cosine-fourth", **HOW)
+    no_more_after(monkeypatch, 3, in_a_worker)
+    monkeypatch.setattr(workers, "_RAYS_OF_A_TASK", 512)
+    with Counting(1) as pool:
+        found, said = with_workers(pool, **HOW)
+        tasks = pool.tasks
+    assert (found.batches, found.tally_digest) == (16, whole.tally_digest)
+    (line,) = said
+    assert line == (
+        "batch 3: a worker of the executor has no room (more rays split off than may wait): it is "
+        "given no more tasks, and the rest is traced in this process"
+    )
+    assert tasks <= 4 + workers._WINDOW
+
+
+def test_where_neither_workers_nor_this_process_have_room(monkeypatch):
+    five = pz.trace("cosine-fourth", **{**HOW, "batches": 5})
+    no_more_after(monkeypatch, 5, in_a_worker)
+    monkeypatch.setattr(workers, "_RAYS_OF_A_TASK", 512)
+
+    def none(*_):
+        raise NoRoomError("the device's buffers take 2 GB")
+
+    monkeypatch.setattr(workers, "Local", none)
+    with ThreadPoolExecutor(2) as pool:
+        found, said = with_workers(pool, **HOW)
+    (line,) = said
+    assert line == (
+        "the executor did not compute batch 5, and this process has no room for it: the device's "
+        "buffers take 2 GB"
+    )
+    assert (found.info.stopped, found.batches) == ("memory", 5)
+    assert found.tally_digest == five.tally_digest
+
+
+def test_a_worker_lets_kept_engines_go_where_another_has_no_room(monkeypatch):
+    made, _, plan = parts(scene(8))
+    one = Task("a", "a", tables_digest(made.tables), made.tables, None, plan, 0, 1)
+    kept, check = [], distribution._check_buffers
+
+    def beside_none(*arguments):
+        if any(engine() is not None for engine in kept):
+            raise NoRoomError("there is one already")
+        check(*arguments)
+
+    monkeypatch.setattr(task, "_mine", threading.local())
+    task.run_task(one)
+    kept += map(weakref.ref, task._mine.engines.values())
+    assert len(kept) == 1
+    monkeypatch.setattr(distribution, "_check_buffers", beside_none)
+    task.run_task(one)  # with the engine that is kept
+    found = task.run_task(replace(one, key="b"))
+    assert list(task._mine.engines) == [("b", one.digest)]
+    assert found.cells[0].tobytes() == task.run_task(replace(one, key="b")).cells[0].tobytes()
+    no_more_after(monkeypatch, 0)
+    with pytest.raises(NoRoomError):
+        task.run_task(replace(one, key="b"))
+    assert not task._mine.engines  # its queue is of no more use
 
 
 def test_workers_without_room_for_a_single_batch_end_in_a_line(monkeypatch):
