@@ -19,8 +19,8 @@ from hostcode.device import memory as host_memory
 from hostcode.device.memory import Room, room
 from hostcode.run import tally
 from photizon_cl.result.sums import SPARSE_CELL
-from photizon_cl.run import memory
-from photizon_cl.run.memory import Needs
+from photizon_cl.run import needs as needs_of
+from photizon_cl.run.needs import Needs
 
 FACTOR = 2.0
 """By which what is said may be more than what is taken."""
@@ -36,7 +36,6 @@ def test_what_is_said_is_what_is_taken(side, far, sparse, monkeypatch, tmp_path)
         monkeypatch.setattr(tally, "_SPARSE_FROM", 1000)
     a_scene = scene(side, far)
     a_scene = replace(a_scene, run=replace(a_scene.run, rays_per_batch=1 << 16))
-    monkeypatch.setattr(memory, "_QUAD", 0)  # drawing is looked at below
     # what is imported and built is no part of it
     pz.trace(a_scene, batches=1).save(tmp_path / "before", figures=False)
     needs = Needs.of(*parts(a_scene))
@@ -68,8 +67,8 @@ def test_what_is_said_is_what_is_taken(side, far, sparse, monkeypatch, tmp_path)
     said = sum(needs.while_running.values()) + grown
     assert running <= said + slack
     assert said <= FACTOR * running + slack
-    written = memory._WRITTEN / SPARSE_CELL * grown
-    said = sum(needs.at_the_end.values()) + grown + written
+    written = needs_of.WRITTEN / SPARSE_CELL * grown
+    said = sum(needs.at_the_end.values()) + needs.files + grown + written
     assert end <= said + slack
     assert said <= FACTOR * end + slack
 
@@ -84,7 +83,7 @@ def test_drawing_takes_what_is_said(side, tmp_path):
     pz.figures.irradiance(result, "plate 0").savefig(tmp_path / "a.png")
     taken = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert taken <= memory._drawn(side**2) + (16 << 20)
+    assert taken <= needs_of.drawn(side**2) + (16 << 20)
 
 
 # -- what may be taken -----------------------------------------------------------------------------
@@ -104,7 +103,9 @@ def test_the_least_limit_counts(tmp_path, monkeypatch):
     (groups / "job" / "step" / "memory.current").write_text("5\n")
     (groups / "job" / "memory.max").write_text("3000000000\n")
     (groups / "job" / "memory.current").write_text("1500000000\n")
-    (groups / "job" / "memory.stat").write_text("anon 1\ninactive_file 500000000\n")
+    (groups / "job" / "memory.stat").write_text(
+        "anon 1\ninactive_file 300000000\nactive_file 200000000\n"
+    )
     found = room(proc, groups)
     assert (found.left, found.limit) == (2 * GB, 3 * GB)
     # version 1
@@ -113,6 +114,10 @@ def test_the_least_limit_counts(tmp_path, monkeypatch):
     (groups / "memory" / "job" / "memory.limit_in_bytes").write_text("1000000000\n")
     (groups / "memory" / "job" / "memory.usage_in_bytes").write_text("400000000\n")
     assert room(proc, groups).left == 600_000_000
+    (groups / "memory" / "job" / "memory.stat").write_text(
+        "cache 9\ninactive_file 7\ntotal_inactive_file 100000000\ntotal_active_file 50000000\n"
+    )
+    assert room(proc, groups).left == 750_000_000
     (groups / "memory" / "job" / "memory.limit_in_bytes").write_text("9223372036854771712\n")
     assert room(proc, groups).left == 6000000 << 10
 

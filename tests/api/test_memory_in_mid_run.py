@@ -22,6 +22,7 @@ from photizon_cl.cli.main import main
 from photizon_cl.errors import NoRoomError, RunWarning
 from photizon_cl.run import batches, distribution, memory, task, workers
 from photizon_cl.run.chunks import Task, tables_digest
+from photizon_cl.run.needs import Needs
 
 
 def no_more_after(monkeypatch, n, where=lambda: True):
@@ -223,7 +224,7 @@ def test_a_worker_looks_at_what_it_has(changes, left, said, monkeypatch):
     assert said.format(label=record.label) in line
     assert "the tally of a batch on the device" in line
     if changes:  # and a run is refused in the same words
-        why = memory.refusal(made, memory.Needs.of(made, record, plan), record, None)
+        why = memory.refusal(made, Needs.of(made, record, plan), record, None)
         assert why.rpartition(": take fewer bins")[0] == line.rpartition(": `photizon check`")[0]
 
 
