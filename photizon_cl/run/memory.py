@@ -16,7 +16,7 @@ from hostcode.run.sizes import Sizes
 from hostcode.run.tally import SparseTally
 from photizon_cl.errors import ResultError, RunError, show
 from photizon_cl.result.sums import SPARSE_CELL
-from photizon_cl.run.needs import WRITTEN, Needs, human
+from photizon_cl.run.needs import WRITTEN, Needs, array_sizes, human
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -205,22 +205,22 @@ def check_room(
         Where there is no room for it.
     """
     needs = Needs.of(result.compiled, None, None)
-    parts = {"arrays": needs.at_the_end["arrays"]}
-    if {"detectors", "far_field"} <= vars(result).keys():
-        parts["arrays"] = 0  # they are there
+    layout = result.compiled.layout
+    there = vars(result).keys()  # what was asked for once
+    arrays = sum(size for what, size in array_sizes(layout).items() if what not in there)
+    parts = {"arrays": arrays}
     if saved:
         lit = result.tally.held_bytes // SPARSE_CELL
         parts["files"] = needs.files + WRITTEN * lit
     if drawn:
         parts["figures"] = needs.figures
     # files are written, and closed, before anything is drawn
-    whole = parts["arrays"] + max(parts.get("files", 0), parts.get("figures", 0))
+    whole = arrays + max(parts.get("files", 0), parts.get("figures", 0))
     left = room() if whole > _GROWING else None
     if left is None or whole + _GROWING <= left.left:
         return
     part = max(parts, key=parts.__getitem__)
-    bins = sum(d.nx * d.ny for d in result.compiled.layout.detectors)
-    bins += result.compiled.layout.n_mu * result.compiled.layout.n_phi
+    bins = sum(d.nx * d.ny for d in layout.detectors) + layout.n_mu * layout.n_phi
     raise ResultError(
         f"{name} takes {human(whole)} of memory for {bins} bins, most of it {_WORDS[part]} "
         f"({human(parts[part])}), and {human(left.left)} are left of {left.what} "

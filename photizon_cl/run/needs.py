@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from hostcode.device.device import DeviceRecord
     from hostcode.program.plan import ExecutionPlan
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.compile.layout import TallyLayout
 
-__all__ = ["WRITTEN", "Needs", "drawn", "human"]
+__all__ = ["WRITTEN", "Needs", "array_sizes", "drawn", "human"]
 
 _SUMS: Final = 8 * (4 + 1 + 1 + 1)
 """Bytes of a cell's sums: limbs, count, mean, squares."""
@@ -107,7 +108,7 @@ class Needs:
         lit = min(n, int(tables.launch["rays_per_batch"]))
         batches = _LIT * lit if sparse else _BATCH * n * (slots + 2)
         running = {"sums": sums, "batches": batches + on_the_way}
-        end = {"sums": sums, "arrays": _MAP_BIN * sum(bins) + _FAR_BIN * far}
+        end = {"sums": sums, "arrays": sum(array_sizes(layout).values())}
         state = 0 if sparse else (_SUMS + 8) * n
         largest = max(*bins, far, 0)
         device = {} if sizes is None else {name: sizes.total(name) for name in sizes.buffers}
@@ -148,6 +149,12 @@ class Needs:
     def most_at_a_time(self, *, saved: bool = False, drawn: bool = False) -> int:
         """Return what this process takes at most at a time, see `phases`."""
         return max(sum(p.values()) for p in self.phases(saved=saved, drawn=drawn).values())
+
+
+def array_sizes(layout: TallyLayout) -> dict[str, int]:
+    """Return what the arrays of a result take, by what they are of."""
+    maps = sum(d.nx * d.ny for d in layout.detectors)
+    return {"detectors": _MAP_BIN * maps, "far_field": _FAR_BIN * layout.n_mu * layout.n_phi}
 
 
 def drawn(bins: int) -> int:

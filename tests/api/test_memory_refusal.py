@@ -109,7 +109,7 @@ def test_check_says_what_a_run_takes(capsys, limited, tmp_path):
     limited(GB // 2)
     assert main(["check", str(file)]) == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "It will not fit: this scene takes 810 MB of memory while it traces, and 500 MB" in out
+    assert "It will not fit: this scene takes 814 MB of memory while it traces, and 500 MB" in out
     assert main(["run", str(file), "--out", str(tmp_path / "out")]) == 1
     out, err = capsys.readouterr()
     assert not out
