@@ -162,9 +162,12 @@ def test_figures_without_room_are_left_out_and_said(limited, to_the_byte, tmp_pa
 
 
 def test_a_result_that_cannot_be_written_or_opened_is_told(limited, to_the_byte, tmp_path, capsys):
-    result = pz.trace(scene(), batches=2, rays_per_batch=512)
+    how = {"batches": 2, "rays_per_batch": 512}
+    result = pz.trace(scene(), checkpoint=tmp_path / "left", **how)
     result.save(tmp_path / "kept", figures=False)
     limited(5 * MB)
+    with pytest.raises(pz.ResultError, match="takes 8 MB of memory for 250001 bins"):
+        pz.open_result(tmp_path / "left")  # of a run that was not saved
     with pytest.raises(pz.ResultError, match="takes 8 MB of memory for 250001 bins") as caught:
         pz.open_result(tmp_path / "kept")
     assert "open it where more is free" in line_of(caught.value)
