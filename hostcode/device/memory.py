@@ -77,31 +77,32 @@ def _of_cgroup(proc: Path, cgroups: Path) -> list[Room]:
     for line in _text(proc / "self" / "cgroup").splitlines():
         number, names, path = [*line.split(":", 2), "", ""][:3]
         if number == "0" and not names:
-            base, files = cgroups, ("memory.max", "memory.current", "inactive_file")
+            base, files, prefix = cgroups, ("memory.max", "memory.current"), ""
         elif "memory" in names.split(","):
             base = cgroups / "memory"
-            files = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
+            files, prefix = ("memory.limit_in_bytes", "memory.usage_in_bytes"), "total_"
         else:
             continue
         at = base / path.lstrip("/")
         for folder in (at, *at.parents):
-            found += _of_folder(folder, *files)
+            found += _of_folder(folder, *files, prefix)
             if folder == base:
                 break
     return found
 
 
-def _of_folder(folder: Path, limit_file: str, used_file: str, cache: str) -> list[Room]:
+def _of_folder(folder: Path, limit_file: str, used_file: str, prefix: str) -> list[Room]:
     limit, used = (_text(folder / name).strip() for name in (limit_file, used_file))
     if not (limit.isascii() and limit.isdigit() and used.isascii() and used.isdigit()):
         return []  # there is none, or "max"
     if int(limit) >= _UNLIMITED:
         return []
-    kept = 0  # files that the kernel keeps as long as nobody needs the room
+    # files that the kernel keeps as long as nobody needs the room, in either of its lists
+    names, kept = (f"{prefix}inactive_file", f"{prefix}active_file"), 0
     for line in _text(folder / "memory.stat").splitlines():
         name, _, value = line.partition(" ")
-        if name == cache and value.strip().isdigit():
-            kept = int(value)
+        if name in names and value.strip().isdigit():
+            kept += int(value)
     left = int(limit) - int(used) + min(kept, int(used))
     return [Room(max(left, 0), int(limit), "its control group (a container's, say)")]
 

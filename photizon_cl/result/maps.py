@@ -80,7 +80,8 @@ class IrradianceMap:
         Arrivals.
     area : ndarray, shape (ny, nx), float64
         m²; 0 where the bin lies wholly outside a disk or in a sphere's port; on a cylinder the same
-        for all bins.
+        for all bins. For reading only, as equal areas are one number in memory: ``area.copy()``
+        gives an array to be changed.
     bins : MapBins
         What the bins are.
     """

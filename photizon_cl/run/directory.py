@@ -9,13 +9,15 @@ from __future__ import annotations
 import json
 import os
 import time
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from photizon_cl.atomic import in_any_locale, reason, replacing
-from photizon_cl.errors import ResultError, show
+from photizon_cl.errors import ResultError, RunWarning, show
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.file import read_engine, read_file, read_scene, write_arrays
+from photizon_cl.run.memory import check_room
 from photizon_cl.run.ours import (
     ARRAYS,
     CHECKPOINT,
@@ -51,6 +53,8 @@ __all__ = [
 ]
 
 _T = TypeVar("_T")
+_FREE: Final = "free some and save it again"
+_LATER: Final = "`photizon report` draws them later, where more is free"
 _TRIES: Final = 40
 """Times that a directory is read again which changed meanwhile."""
 
@@ -164,6 +168,8 @@ def save(
     replace: bool = False,
 ) -> None:
     """Write a result, see `photizon_cl.Result.save`."""
+    shown = show(os.fsdecode(path))
+    check_room(result, f"{shown} cannot be written: the result", _FREE, saved=True)
     if figures:
         from photizon_cl.views.figures import figure_names
 
@@ -186,7 +192,9 @@ def save(
             _write_all(result, folder)
             if is_report(folder / REPORT):  # of the result before; nobody else's page
                 (folder / REPORT).unlink()
-            drawn = _draw(result, folder / FIGURES, formats) if figures else set()
+            drawn = set()
+            if figures and _can_be_drawn(result, shown):
+                drawn = _draw(result, folder / FIGURES, formats)
             for name in stale - drawn:
                 file = folder / FIGURES / in_any_locale(name)
                 if is_figure(file):
@@ -198,6 +206,16 @@ def save(
                 f"{show(str(folder))} cannot be written: no memory is left for its arrays and "
                 "figures; where result.nc is there, `photizon report` draws them later"
             ) from error
+
+
+def _can_be_drawn(result: Estimates, shown: str) -> bool:
+    """Say whether there is room for drawing, and warn where not: the result itself is there."""
+    try:
+        check_room(result, "drawing them", _LATER, drawn=True)
+    except ResultError as error:
+        warnings.warn(f"no figures are drawn for {shown}: {error}", RunWarning, stacklevel=4)
+        return False
+    return True
 
 
 def _figures_of(result: Estimates, folder: Path) -> set[str]:
@@ -296,6 +314,7 @@ def _open_directory(path: str | os.PathLike[str]) -> Estimates:
     left = unfinished(given) if given.name != ARRAYS else None
     if left is None:
         return read(given)
+    check_room(left, show(str(given)))
     if (given / ARRAYS).is_file():
         found = read(given)
         if same_stream(found.scene, left.scene):
@@ -344,4 +363,6 @@ def read(path: str | os.PathLike[str]) -> Estimates:
         if isinstance(error, ResultError):
             raise
         raise ResultError(f"{shown} cannot be read: {reason(error)}") from None
-    return read_file(file)
+    found = read_file(file)
+    check_room(found, shown)
+    return found

@@ -23,6 +23,7 @@ from hostcode.run.sizes import Sizes
 from hostcode.run.wavefront import Engine
 from photizon_cl.errors import ArgumentError, NoRoomError, RunError, show
 from photizon_cl.run.chunks import Chunk
+from photizon_cl.run.memory import too_large
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -159,23 +160,11 @@ def _check_buffers(record: DeviceRecord, sizes: Sizes) -> None:
     NoRoomError
         Where a buffer, or all of them, are too large.
     """
-    (part, largest), total = sizes.largest, sizes.total()
-    left = room() if record.type == "cpu" and total > _NOTHING else None
-    why = ""
-    if largest > record.max_allocation:
-        most = record.max_allocation / 1e9
-        why = f"one of {largest / 1e9:.3g} GB, and it gives at most {most:.3g} GB"
-    elif total > record.global_memory:
-        why = f"buffers of {total / 1e9:.3g} GB, and it has {record.global_memory / 1e9:.3g} GB"
-    elif left is not None and total > left.left:
-        why = (
-            f"buffers of {total / 1e9:.3g} GB, and {left.left / 1e9:.3g} GB are left of {left.what}"
-        )
+    left = room() if record.type == "cpu" and sizes.total() > _NOTHING else None
+    parts = {name: sizes.total(name) for name in sizes.buffers}
+    why, _ = too_large(record, parts, sizes.largest, left)
     if why:
-        raise NoRoomError(
-            f"device {record.label} would need {why} (most for the {part}): `photizon check` says "
-            "what the scene takes"
-        )
+        raise NoRoomError(f"{why}: `photizon check` says what the scene takes")
 
 
 def usual_plan(record: DeviceRecord, tables: DeviceTables) -> ExecutionPlan:
@@ -257,23 +246,35 @@ class Local:
                 n = min(n, limit)
             if last is not None:
                 n = min(n, last - first)
+            why = ""
             try:
                 chunk = compute(self.engine, first, n)
             except Abandoned:
                 return
             except NoRoomError as error:
-                if n == 1:
-                    self._full = str(error)
-                    return
-                # those that there is room for one at a time count
-                alone, give_up = True, self.engine.give_up
-                del self.engine  # its queue is of no more use
-                self.engine = make_engine(*self._what)
-                self.engine.give_up = give_up
-                continue
-            yield chunk
-            del chunk  # the next one is computed before the caller lets go of this one
-            first += n
+                why = str(error)
+            # from here on no traceback holds the engine
+            if not why:
+                yield chunk
+                del chunk  # the next one is computed before the caller lets go of this one
+                first += n
+            elif n > 1 and self._made_anew():
+                alone = True  # those that there is room for one at a time count
+            else:
+                self._full = self._full or why
+                return
+
+    def _made_anew(self) -> bool:
+        """Make the engine again, whose queue is of no more use; say whether there was room."""
+        give_up = self.engine.give_up
+        del self.engine  # before the other takes as much
+        try:
+            self.engine = make_engine(*self._what)
+        except NoRoomError as error:
+            self._full = str(error)
+            return False
+        self.engine.give_up = give_up
+        return True
 
 
 def compute(engine: Engine, first: int, n: int) -> Chunk:

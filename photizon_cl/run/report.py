@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import Lock, sweep
-from photizon_cl.errors import ResultError
+from photizon_cl.errors import ResultError, show
 from photizon_cl.run.directory import ARRAYS, REPORT, open_directory
+from photizon_cl.run.memory import check_room
 from photizon_cl.run.ours import FIGURES
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def write_report(
     Raises
     ------
     ResultError
-        Where there is no result, or it is damaged.
+        Where there is no result, it is damaged, or there is no memory for its arrays and figures.
     ArgumentError
         Where the file cannot be written, or is something else than a report.
     """
@@ -46,6 +47,7 @@ def write_report(
         if given.is_file() or (given / ARRAYS).is_file():  # there, and not whole
             raise ResultError(f"{error}; {_AGAIN}") from error
         raise
+    check_room(result, show(str(given)), drawn=True)
 
     from photizon_cl.views.report.writing import write_page  # matplotlib, not for a wrong path
 

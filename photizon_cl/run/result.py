@@ -202,6 +202,11 @@ class Result(Estimates):
         ResultError
             Where the directory holds files and no result, or another's result, or files of these
             names that were not written here; where a run is writing to it, or it cannot be written.
+
+        Warns
+        -----
+        RunWarning
+            Where there is no memory for figures; all else is written then.
         """
         from photizon_cl.run.directory import save
 
@@ -219,7 +224,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     Raises
     ------
     ResultError
-        Where there is no result, or it is damaged.
+        Where there is no result, it is damaged, or there is no memory for its maps and far field.
     """
     from photizon_cl.run.directory import open_directory
 

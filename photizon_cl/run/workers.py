@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import pickle
-import threading
 import time
 import warnings
 from collections import OrderedDict
@@ -29,9 +28,10 @@ from photizon_cl.errors import (
     printable,
     show,
 )
-from photizon_cl.run.chunks import RefusedError, Task, checked, numbers, sealed, tables_digest
+from photizon_cl.run.chunks import RefusedError, Task, checked, numbers, tables_digest
 from photizon_cl.run.desk import Answer, Desk, NotSubmittedError
-from photizon_cl.run.distribution import Local, compute, make_engine
+from photizon_cl.run.distribution import Local, compute
+from photizon_cl.run.task import run_task
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -40,14 +40,11 @@ if TYPE_CHECKING:
     from hostcode.device.device import DeviceRecord
     from hostcode.program.plan import ExecutionPlan
     from hostcode.run.tables import DeviceTables
-    from hostcode.run.wavefront import Engine
     from photizon_cl.run.chunks import Chunk
     from photizon_cl.run.progress import Clock
 
-__all__ = ["Executed", "bytes_on_the_way", "run_task"]
+__all__ = ["Executed", "bytes_on_the_way"]
 
-_KEPT_ENGINES: Final = 2
-"""Engines that a worker keeps: enough for two traces that take turns."""
 _RAYS_OF_A_TASK: Final = 1 << 18
 _BYTES_OF_A_TASK: Final = 1 << 26
 """Tallies that travel together, where there is more than one."""
@@ -64,34 +61,6 @@ _FIRST_ANSWER: Final = 60.0
 _LATER_ANSWER: Final = 10.0
 _TIMES: Final = 8.0
 """Later ones have so many seconds, or so many times the longest that one took."""
-
-_mine = threading.local()
-
-
-def run_task(task: Task) -> Chunk:
-    """Compute a task's batches; what an executor is given.
-
-    Opens a device in the worker at the first task and keeps it, with the last few scenes' programs.
-
-    Raises
-    ------
-    Abandoned
-        Where the time is over that the task had.
-    """
-    engines: OrderedDict[tuple[str, str], Engine] | None = getattr(_mine, "engines", None)
-    if engines is None:
-        engines = _mine.engines = OrderedDict()
-    digest = tables_digest(task.tables)
-    key = task.key, digest
-    if key not in engines:
-        engines[key] = make_engine(task.device, task.tables, task.plan)
-        while len(engines) > _KEPT_ENGINES:
-            engines.popitem(last=False)
-    engines.move_to_end(key)
-    engine = engines[key]
-    until = None if task.seconds is None else time.perf_counter() + task.seconds
-    engine.give_up = None if until is None else lambda: time.perf_counter() > until
-    return sealed(compute(engine, task.first, task.n), task, digest)
 
 
 @dataclass(eq=False)
@@ -168,7 +137,7 @@ class Executed:
         self._clock: Clock | None = None
         self._interrupted: Callable[[], bool] = lambda: False
         self._local: Local | None = None
-        self._trusted = True
+        self._trusted = self._roomy = True
         self._failed = self._answers = 0
         self._longest = 0.0
         self._tickets: dict[int, _Asked] = {}
@@ -234,13 +203,20 @@ class Executed:
                     chunk = self._trace_here(task)
                     if chunk is None:
                         return
+                    self._say(
+                        "full",
+                        f"{numbers(item.task.first, item.task.n)}: a worker of the executor has no "
+                        f"room ({item.full}): it is given no more tasks, and the rest is traced in "
+                        "this process",
+                    )
                     yield chunk
+                    del chunk
         finally:
             desk.close()
 
     def _room(self, asked: Collection[object]) -> bool:
         """Say whether another task may be asked for; neither those nor their answers pile up."""
-        return self._trusted and max(len(asked), len(self._tickets)) < self.window
+        return self._trusted and self._roomy and max(len(asked), len(self._tickets)) < self.window
 
     def _ask(self, desk: Desk, item: _Asked) -> None:
         item.tries += 1
@@ -296,7 +272,7 @@ class Executed:
         elif isinstance(error, NotSubmittedError):
             self._fail(desk, item, f"a task could not be submitted ({_told(error.__cause__)})")
         elif isinstance(error, NoRoomError):
-            item.full = str(error)
+            item.full, self._roomy = str(error), False
         elif isinstance(error, PhotizonError | HostError):
             raise error
         elif isinstance(error, pickle.PicklingError):
@@ -309,7 +285,7 @@ class Executed:
         if item.chunk is not None or item.here or not self._trusted:
             return
         where = f"{numbers(item.task.first, item.task.n)}: {what}"
-        if item.tries < _TRIES:
+        if item.tries < _TRIES and self._roomy:
             if wrong:  # losing a task is what workers do; answering wrongly is not
                 self._say("wrong", f"{where}; it is asked for again")
             self._ask(desk, item)
@@ -319,7 +295,8 @@ class Executed:
         if self._failed >= _MOST_FAILED:
             self._give_up_on(f"the executor failed at {self._failed} tasks, the last one {where}")
         else:
-            self._say("here", f"{where}, twice; the batches are traced in this process")
+            twice = ", twice" if item.tries >= _TRIES else ""
+            self._say("here", f"{where}{twice}; the batches are traced in this process")
 
     def _give_up_on(self, why: str) -> None:
         if self._trusted:
@@ -361,6 +338,13 @@ class Executed:
         if self._local is None:
             try:
                 self._local = Local(task.tables, task.device, task.plan)
+            except NoRoomError as error:  # the batches so far count
+                them = "it" if task.n == 1 else "them"
+                self._full = (
+                    f"the executor did not compute {numbers(task.first, task.n)}, and this process "
+                    f"has no room for {them}: {error}"
+                )
+                return None
             except PhotizonError as error:
                 raise RunError(
                     f"the executor did not compute {numbers(task.first, task.n)}, and this "

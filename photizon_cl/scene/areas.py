@@ -21,8 +21,6 @@ __all__ = ["circle_areas", "even_areas", "zone_areas"]
 
 _AT_ONCE: Final = 1 << 20
 """Bins whose areas are computed together: it takes ten arrays on the way."""
-_SHARED: Final = 1 << 22
-"""Bins from which on equal areas are one number in memory, in an array that is only for reading."""
 _RIM: Final = 4.0 * 2.0**-53
 """Rounding of the cosine of a port's rim, 1 − 2f, of numbers about 1."""
 
@@ -33,9 +31,8 @@ def even_areas(half_width: float, half_height: float, nx: int, ny: int) -> NDArr
 
 
 def _spread(areas: NDArray[np.float64], nx: int, ny: int) -> NDArray[np.float64]:
-    """Return areas that are equal along rows, or everywhere, as an array of all bins."""
-    all_bins = np.broadcast_to(areas, (ny, nx))
-    return all_bins if nx * ny >= _SHARED else all_bins.copy()
+    """Return areas that are equal along rows, or everywhere, as a view of all bins."""
+    return np.broadcast_to(areas, (ny, nx))
 
 
 def zone_areas(radius: float, port_fraction: float, nx: int, ny: int) -> NDArray[np.float64]:

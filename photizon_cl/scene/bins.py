@@ -39,5 +39,7 @@ class MapBins:
 
     @cached_property
     def areas(self) -> NDArray[np.float64]:
-        """Exact area of each bin in m², shape (ny, nx); 0 where it has none."""
-        return self.area_of()
+        """Exact area of each bin in m², shape (ny, nx); 0 where it has none. For reading only."""
+        areas = self.area_of().view()
+        areas.flags.writeable = False  # equal ones may be one number in memory
+        return areas

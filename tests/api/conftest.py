@@ -9,7 +9,7 @@ import pytest
 
 # The table of malformed scenes is a plain module beside the tests of the scene layer.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scene"))
-# So are executors that misbehave.
+# So are executors that misbehave, and scenes of plates.
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 QUICK = 2048
@@ -30,3 +30,19 @@ def sphere():
     import photizon_cl as pz
 
     return pz.trace("integrating-sphere", batches=10, rays_per_batch=QUICK)
+
+
+@pytest.fixture
+def limited(monkeypatch):
+    """Return a function that sets what a process may still take."""
+    from plates import GB
+
+    from hostcode.device.memory import Room
+    from photizon_cl.run import memory
+
+    def limit(left):
+        found = Room(left, 4 * GB, "`ulimit -v`")
+        monkeypatch.setattr(memory, "room", lambda: found)
+        return found
+
+    return limit

@@ -11,7 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 import numpy as np
 
 from photizon_cl.run.chunks import Chunk
-from photizon_cl.run.workers import run_task
+from photizon_cl.run.task import run_task
 
 
 class Doing:

@@ -165,3 +165,23 @@ def test_an_element_without_maps_is_refused():
     )  # fmt: skip
     with pytest.raises(NotImplementedError, match="no map on a biconvex"):
         lens.map_bins(2, 2)
+
+
+@pytest.mark.parametrize("side", [4, 2048])
+@pytest.mark.parametrize("kind", ["rectangle", "disk", "sphere"])
+def test_areas_are_for_reading_whatever_the_size_and_kind(kind, side):
+    """Equal areas are one number in memory: one that is changed would change all."""
+    shapes = {
+        "rectangle": {"axis": "+z", "half_width": 0.1, "half_height": 0.2},
+        "disk": {"axis": "+z", "radius": 0.1},
+        "sphere": {"axis": "+z", "radius": 0.1, "port_fraction": 0.1},
+    }
+    tables = pz.load("cosine-fourth").to_dict()
+    plate = {"name": "t", "kind": kind, "position": [0.0, 0.0, 0.0], **shapes[kind]}
+    tables["element"] = [{**plate, "surface": {"kind": "absorber"}}]
+    areas = pz.load(tables).element[0].map_bins(side, side).areas
+    with pytest.raises(ValueError, match="read-only"):
+        areas[0, 0] = 1.0
+    changed = areas.copy()
+    changed[0, 0] = 1.0
+    assert areas[0, 0] != 1.0

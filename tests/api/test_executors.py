@@ -18,6 +18,7 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import RunWarning
 from photizon_cl.run import workers
 from photizon_cl.run.chunks import Task, checked, tables_digest
+from photizon_cl.run.task import run_task
 
 RAYS = 512
 BATCHES = 16
@@ -87,7 +88,7 @@ def test_what_is_checked_is_what_is_kept():
     compiled = compile_scene(pz.load(SCENE), pz.RunSettings(rays_per_batch=RAYS))
     tables = compiled.tables
     task = Task("key", "scene", tables_digest(tables), tables, None, None, 3, 2)
-    chunk = workers.run_task(task)
+    chunk = run_task(task)
     kept = checked(chunk, task)
     for mine, others in zip(kept.cells, chunk.cells, strict=True):
         assert (mine == others).all()

@@ -20,7 +20,7 @@ from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.stopping import LEAST_BATCHES, Goal
 from photizon_cl.run.batches import _no_batch
 from photizon_cl.run.progress import Clock
-from photizon_cl.run.workers import run_task
+from photizon_cl.run.task import run_task
 
 QUICK = 2048
 

@@ -394,17 +394,6 @@ def test_maps_beyond_memory_are_pictures_of_the_same_bins(result, monkeypatch):
     assert image.origin == "lower"
 
 
-def test_of_more_bins_than_dots_on_paper_one_is_drawn_for_each(result, monkeypatch):
-    m = result.detectors["target"].map
-    ny, nx = m.irradiance.shape
-    monkeypatch.setattr(module, "_MOST_QUADS", 4)
-    monkeypatch.setattr(module, "_MOST_DOTS", 2)
-    image = labelled(draw_irradiance(result, "target"), "values")
-    picked = np.ix_([ny // 4, 3 * ny // 4], [nx // 4, 3 * nx // 4])
-    np.testing.assert_array_equal(image.get_array().data, m.irradiance[picked])
-    assert image.get_extent() == [-1.0, 1.0, -0.5, 0.5]
-
-
 def test_large_maps_take_seconds(tmp_path):
     made = make(tables(rectangle(name="t", detector={"map": [2048, 2048]})), poisson(10.0), 1)
     started = time.process_time()

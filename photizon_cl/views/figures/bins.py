@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -33,6 +34,7 @@ __all__ = [
     "own_axes",
     "paint",
     "plain_patch",
+    "said",
 ]
 
 HATCHED: Final = "#e9e9e9"
@@ -122,7 +124,11 @@ def paint(
     colours: Any,
     norm: Normalize,
 ) -> Any:
-    """Draw every bin of a masked array with the colour of its own value and no other's."""
+    """Draw bins of a masked array, each with the colour of its own value and no other's.
+
+    Of more bins than there are dots on paper each dot has the highest of its block, see `dots`;
+    `said` tells that to the reader.
+    """
     if (len(x_edges) - 1) * (len(y_edges) - 1) > _MOST_QUADS:
         # As a picture: four numbers a corner would not fit into memory.
         values = dots(values)
@@ -140,15 +146,68 @@ def paint(
     return drawn
 
 
+def _starts(n: int) -> NDArray[np.int64]:
+    """Return where the blocks of n bins begin that are a dot each, and where the last one ends."""
+    m = min(n, _MOST_DOTS)
+    return np.arange(m + 1, dtype=np.int64) * n // m
+
+
+def _many(shape: tuple[int, ...]) -> bool:
+    """Say whether there are more bins than are drawn one by one."""
+    return math.prod(shape) > _MOST_QUADS and max(shape) > _MOST_DOTS
+
+
 def dots(values: Any) -> Any:
-    """Return the bins of an array that are drawn: of more than dots on paper, one for each."""
-    picked = []
-    for n in np.shape(values):
-        m = min(n, _MOST_DOTS)
-        picked.append((2 * np.arange(m, dtype=np.int64) + 1) * n // (2 * m))
-    if np.size(values) <= _MOST_QUADS or [len(p) for p in picked] == list(np.shape(values)):
+    """Return what is drawn of an array: of more bins than dots on paper, the highest of each block.
+
+    Not one of them, nor their mean: a single bright bin is what a search for stray light is for. A
+    block is masked where all of its bins are; of conditions, it has those that any bin has.
+
+    Parameters
+    ----------
+    values : ndarray or masked ndarray, shape (ny, nx), float64 or bool
+        A number, or a condition, of each bin.
+    """
+    if not _many(np.shape(values)):
         return values
-    return values[np.ix_(*picked)]
+    if np.asarray(values).dtype == bool:
+        return _highest(np.asarray(values))
+    mask = np.ma.getmaskarray(values)
+    # in slabs, so that nothing of the whole map's size is made on the way
+    found, none = _highest(np.ma.getdata(values), mask), ~_highest(~mask)
+    return np.ma.masked_array(np.where(none, 0.0, found), mask=none)
+
+
+def _highest(array: NDArray[Any], mask: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+    """Return the maxima of blocks of bins that are not masked, −inf where all are."""
+    down, across = (_starts(n) for n in array.shape)
+    rows = []
+    for first, last in pairwise(down):
+        slab = array[first:last]
+        if mask is not None:
+            slab = np.where(mask[first:last], -np.inf, slab)
+        rows.append(np.maximum.reduceat(slab.max(axis=0), across[:-1]))
+    return np.stack(rows)
+
+
+def said(shape: tuple[int, ...], what: str = "highest") -> list[str]:
+    """Return what the footer says of a map with more bins than dots on paper.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Of the map.
+    what : str, optional
+        Which of several bins is drawn.
+    """
+    if not _many(shape):
+        return []
+    ny, nx = (math.ceil(n / min(n, _MOST_DOTS)) for n in shape)
+    text = (
+        f"{shape[1]:,} × {shape[0]:,} bins are more than dots on paper: each dot is the {what} of "
+        f"up to {nx} × {ny} of them with 10 rays"
+    )
+    return [text]
 
 
 def flat(
@@ -172,7 +231,9 @@ def hatch(
     y_edges: NDArray[np.float64],
     where: NDArray[np.bool_],
 ) -> None:
-    """Draw slanted lines over some bins and nowhere else."""
+    """Draw slanted lines over some bins, or `dots` of them, and nowhere else."""
+    if where.shape != (len(y_edges) - 1, len(x_edges) - 1):
+        x_edges, y_edges = (e[_starts(len(e) - 1)] for e in (x_edges, y_edges))
     figure: Any = axes.figure
     box = axes.get_window_extent()
     dpi = figure.get_dpi() if hasattr(figure, "get_dpi") else figure.dpi

@@ -59,7 +59,8 @@ def draw_far_field(
     """Draw the intensity of what escaped over φ and cos θ.
 
     All bins have the same solid angle, so that equal areas on paper are equal solid angles. Bins
-    with fewer than 10 rays are hatched.
+    with fewer than 10 rays are hatched. Where there are more bins than dots on paper, every dot has
+    the colour of the highest bin in it, which is said.
 
     Parameters
     ----------
@@ -87,7 +88,8 @@ def draw_far_field(
     far = _far(result)
     scale = colour_norm(far.intensity[~far.hatched], norm, vmin, vmax, peaked=True)
     if ax is None:
-        what, notes = "far field: intensity of what escaped", chosen(scale, norm)
+        what = "far field: intensity of what escaped"
+        notes = bins.said(far.count.shape) + chosen(scale, norm)
         page = sheet(result, what, bins.body(3.6), notes, far.count, _own(far))
         panel = bins.bin_axes(page, 4.85, 3.6)
     else:

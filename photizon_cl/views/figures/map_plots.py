@@ -49,9 +49,10 @@ def draw_irradiance(
 ) -> Figure:
     """Draw a detector's irradiance map.
 
-    Every bin has the colour of its own value. Bins with fewer than 10 arrivals are hatched instead;
-    bins without any area stay white. Bins that a rim leaves less than three quarters of the area of
-    others do not set the scale; where they go beyond it, its bar ends in a point.
+    Every bin has the colour of its own value, or, where there are more bins than dots on paper,
+    every dot that of the highest bin in it, which is said. Bins with fewer than 10 arrivals are
+    hatched; bins without any area stay white. Bins that a rim leaves less than three quarters of
+    the area of others do not set the scale; where they go beyond it, its bar ends in a point.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ def draw_irradiance(
     m = _map(result, element)
     scale = colour_norm(m.irradiance[m.decisive], norm, vmin, vmax, peaked=True)
     shown = np.ma.masked_array(m.irradiance, mask=m.hatched | m.masked)
-    notes = chosen(scale, norm)
+    notes = bins.said(m.count.shape) + chosen(scale, norm)
     if vmin is vmax is None:
         notes += _left_out(m, m.irradiance, scale, "W/m²")
     panel, x, y = _frame(result, element, m, f"irradiance on {element}", notes, ax)
@@ -103,7 +104,8 @@ def draw_relative_sigma(
     """Draw the relative standard error of each bin of a detector's map.
 
     Bins without a value, and every bin after a single batch, are grey. Bins with fewer than 10
-    arrivals are hatched: their σ is itself unreliable.
+    arrivals are hatched: their σ is itself unreliable. Where there are more bins than dots on paper
+    every dot has the highest σ of those in it with 10 arrivals, which is said.
 
     Parameters
     ----------
@@ -139,14 +141,21 @@ def draw_relative_sigma(
     scale = colour_norm(ratio[decisive if decisive.any() else known], norm, vmin, vmax)
     target = result.info.goal.target
     marked = target is not None and _within(target, scale)
-    notes = ["mark on the scale: target of the median"] if marked else []
+    notes = bins.said(m.count.shape, "highest σ")
+    notes += ["mark on the scale: target of the median"] if marked else []
     if vmin is vmax is None:
         notes += _left_out(m, ratio, scale, "%", 100.0)
     what = f"relative σ of irradiance on {element}"
     panel, x, y = _frame(result, element, m, what, notes, ax)
     axes = panel.axes
     # viridis has no grey in it, which the bins without a value have
-    drawn = bins.paint(axes, x, y, positive(bins.dots(shown), scale), colormaps["viridis"], scale)
+    well = np.ma.masked_array(ratio, mask=~known | m.hatched)
+    values, lit = bins.dots(shown), bins.dots(well)
+    none = np.ma.getmaskarray(lit)  # there others are shown, and hatched
+    values = np.ma.masked_array(
+        np.where(none, np.ma.getdata(values), np.ma.getdata(lit)), mask=np.ma.getmaskarray(values)
+    )
+    drawn = bins.paint(axes, x, y, positive(values, scale), colormaps["viridis"], scale)
     drawn.set_label("values")
     bar = bins.colour_bar(drawn, panel, "relative σ in %", extends(shown, scale))
     if is_log(scale):
@@ -157,9 +166,9 @@ def draw_relative_sigma(
         bar.ax.axhline(target, color=INK, linewidth=1.2, label="target of the median")
     if not shown.count():
         bar.set_ticks([])
-    grey = ~known & ~m.masked
+    grey = bins.dots(~known & ~m.masked) & np.ma.getmaskarray(values)
     bins.flat(axes, x, y, grey, bins.GREY, "without a value")
-    poor = m.hatched & known
+    poor = none & ~np.ma.getmaskarray(values)
     bins.hatch(axes, x, y, poor)
     patches = [bins.plain_patch(bins.GREY, "no value")] if grey.any() else []
     hatched = [bins.plain_patch("#ffffff", "below 10 rays")] if poor.any() else []
@@ -196,9 +205,10 @@ def amounts(
         Of the colours.
     """
     axes = panel.axes
-    drawn = bins.paint(
-        axes, x_edges, y_edges, positive(bins.dots(shown), scale), colormaps["viridis"], scale
-    )
+    values = bins.dots(shown)
+    # a dot is hatched where no bin in it has a colour
+    hatched = bins.dots(hatched) & np.ma.getmaskarray(values)
+    drawn = bins.paint(axes, x_edges, y_edges, positive(values, scale), colormaps["viridis"], scale)
     drawn.set_label("values")
     low, high = _limits(scale)
     factor, name = (1.0, unit) if is_log(scale) else powered(max(abs(low), abs(high)), unit)
