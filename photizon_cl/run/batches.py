@@ -8,6 +8,7 @@ import warnings
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from hostcode.run.tally import whole_of
+from hostcode.run.usual import usual_plan
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER, CompiledScene
 from photizon_cl.errors import (
     ArgumentError,
@@ -24,7 +25,7 @@ from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
 from photizon_cl.run.checkpoint import Keeper
-from photizon_cl.run.distribution import Local, Runner, open_chosen, usual_plan
+from photizon_cl.run.distribution import Local, Runner, open_chosen
 from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.memory import check_memory, no_room_for
 from photizon_cl.run.pilot import pilot_of_capped

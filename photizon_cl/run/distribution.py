@@ -14,12 +14,11 @@ from hostcode.device.device import (
     OpenDevice,
     choose,
     open_device,
-    preferred_lanes,
 )
 from hostcode.device.memory import room
 from hostcode.errors import Abandoned, DeviceError, HostError, KernelBuildError, QueueFull
-from hostcode.program.plan import default_plan
 from hostcode.run.sizes import Sizes
+from hostcode.run.usual import usual_plan
 from hostcode.run.wavefront import Engine
 from photizon_cl.errors import ArgumentError, NoRoomError, RunError, show
 from photizon_cl.run.chunks import Chunk
@@ -39,7 +38,6 @@ __all__ = [
     "device_failures",
     "make_engine",
     "open_chosen",
-    "usual_plan",
 ]
 
 _NOTHING: Final = 1 << 26
@@ -165,11 +163,6 @@ def _check_buffers(record: DeviceRecord, sizes: Sizes) -> None:
     why, _ = too_large(record, parts, sizes.largest, left)
     if why:
         raise NoRoomError(f"{why}: `photizon check` says what the scene takes")
-
-
-def usual_plan(record: DeviceRecord, tables: DeviceTables) -> ExecutionPlan:
-    """Return how a device runs a scene where nobody says."""
-    return default_plan(record, preferred_lanes(record, tables.spec.effects))
 
 
 @contextmanager

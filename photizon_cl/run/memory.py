@@ -13,9 +13,9 @@ from hostcode.device.memory import room
 from hostcode.errors import DeviceError
 from hostcode.run.sizes import Sizes
 from hostcode.run.tally import SparseTally
+from hostcode.run.usual import usual_plan
 from photizon_cl.errors import ResultError, RunError, show
 from photizon_cl.result.sums import SPARSE_CELL
-from photizon_cl.run.distribution import usual_plan
 from photizon_cl.run.needs import WRITTEN, Needs, array_sizes, human
 
 if TYPE_CHECKING:

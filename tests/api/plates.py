@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import photizon_cl as pz
+from hostcode.run.usual import usual_plan
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.run.distribution import open_chosen, usual_plan
+from photizon_cl.run.distribution import open_chosen
 
 GB = 10**9
 SIDE = 500
