@@ -48,7 +48,7 @@ _LARGE = 3000
 @pytest.mark.parametrize(
     ("simple", "step"),
     [
-        pytest.param(True, 10, id="some, simple"),
+        pytest.param(True, 17, id="some, simple"),
         pytest.param(True, 1, id="simple", marks=pytest.mark.slow),
         pytest.param(False, 1, id="every kind", marks=pytest.mark.slow),
     ],
@@ -74,9 +74,9 @@ def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple, ste
 
 @pytest.mark.parametrize(
     ("lanes", "simple"),
-    [(1, True), (8, False), (16, True)]
+    [(8, False), (16, True)]
     + [pytest.param(lanes, False, marks=pytest.mark.slow) for lanes in (1, 2, 4, 16)]
-    + [pytest.param(lanes, True, marks=pytest.mark.slow) for lanes in (2, 4)],
+    + [pytest.param(lanes, True, marks=pytest.mark.slow) for lanes in (1, 2, 4)],
 )
 def test_the_bits_do_not_depend_on_the_lanes(device, lanes, simple):
     scene = filled_scene(216, seed=3, simple=simple)

@@ -95,6 +95,8 @@ def wholly(name: str, *values: Any, rest: tuple[Any, ...] = ()) -> list[Any]:
     ]
 
 
+WIDE = [pytest.param(name, 16, marks=pytest.mark.slow) for name in SCENES]
+
 # one run for each value of each choice; lanes 4 and 16 share these rows between them
 CHOICES: dict[str, dict[str, Any]] = {
     "K = 1": {"max_bounces": 1, "batches": 3},
@@ -131,7 +133,7 @@ def test_widest_and_scalar_with_other_choices(name: str, lanes: int) -> None:
     same(name, lanes=lanes, refill=3, batches=2, **plan)
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 4, 16, rest=(4,)))
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 4, rest=(4,)) + WIDE)
 def test_classical_wavefront(name: str, lanes: int) -> None:
     same(name, composition="classical", lanes=lanes, batches=3)
 

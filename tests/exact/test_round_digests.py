@@ -75,7 +75,9 @@ def test_much_happens_in_the_scene() -> None:
 
 
 # 8 are those of the classical wavefront, below
-@pytest.mark.parametrize("lanes", [1, pytest.param(8, marks=pytest.mark.slow), 16])
+@pytest.mark.parametrize(
+    "lanes", [1, *(pytest.param(lanes, marks=pytest.mark.slow) for lanes in (8, 16))]
+)
 def test_lane_widths(lanes: int) -> None:
     same(scene(), lanes=lanes, refill=max(lanes // 4, 1))
 
@@ -114,6 +116,7 @@ def test_forced_effects_where_nothing_touches(effect: str) -> None:
     assert apart(frozenset({effect})).digest == apart().digest
 
 
+@pytest.mark.slow  # the scene of everything in test_digest_matrix.py has the kinds as well
 @pytest.mark.parametrize("origin", ["debian", "pypi"])
 def test_both_pocls(origin: str) -> None:
     run = trace_compiled(scene(), 2, device=open_device(origin), plan=PLAN.with_(lanes=8))
