@@ -72,6 +72,7 @@ def registered() -> Iterator[None]:
 def _folder(stack: ExitStack) -> str:
     """Make a folder with what the system registers and Intel's runtime; empty for none."""
     library = intel_library()
+    _unwritable.clear()
     named = any(os.environ.get(name) for name in _NAMES)
     if sys.platform != "linux" or library is None or named or _system_has_one():
         return ""

@@ -29,6 +29,7 @@ def installed(monkeypatch, tmp_path):
     (system / "README").write_text("no registration")
     monkeypatch.setattr(intel_runtime, "intel_library", lambda: library)
     monkeypatch.setattr(intel_runtime, "_SYSTEM", system)
+    monkeypatch.setattr(intel_runtime, "_unwritable", [])
     return library, system
 
 
