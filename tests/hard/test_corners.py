@@ -24,6 +24,7 @@ from oracles.corners import (
     rays_at_edges,
 )
 from oracles.engine import PLAN, open_device, trace_compiled, with_tree
+from oracles.pairs import alternately
 
 from hostcode.run.probe import LEFT_PLUS, element_of, follow_rays, probe_faces
 from photizon_cl.compile.compiled import compile_scene
@@ -39,15 +40,15 @@ from photizon_cl.stability.families_mixed import room
 from photizon_cl.stability.measure import compile_elements
 
 SILVER, WHITE = Mirror(1.0), Lambertian(1.0)
-SURFACES = pytest.mark.parametrize("surface", [SILVER, WHITE], ids=["mirrors", "matt"])
+BOTH = {"mirrors": SILVER, "matt": WHITE}
+SURFACES = pytest.mark.parametrize("surface", BOTH.values(), ids=BOTH)
 TILTS = [(0.0, 0.0), (33.3, 0.0), (0.0, -71.7), (1e-8, 0.0), (89.999999, 0.0)]
 PLACES = [(1.0, 0.0), (1e-6, 0.0), (1e6, 1.3), (1e-6, 37.0), (1.0, 1e3)]
 """Size of a room, and its distance from the origin in that size."""
 RAYS = 1000
 
 
-@SURFACES
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("kind", "surface"), alternately(KINDS, BOTH))
 def test_no_ray_gets_through_where_walls_meet(kind: str, surface: Any) -> None:
     r = np.random.default_rng([11, KINDS.index(kind)])
     for (scale, away), tilt in zip(PLACES, TILTS, strict=True):
@@ -70,8 +71,7 @@ def test_no_ray_gets_out_of_a_polyhedron_of_crossing_plates(sides: int, surface:
         assert leaks(chamber, starts, along) == (0, 0, 0), (scale, away)
 
 
-@SURFACES
-@pytest.mark.parametrize("degrees", [60.0, 10.0, 1.0, 1e-2, 1e-6])
+@pytest.mark.parametrize(("degrees", "surface"), alternately([60.0, 10.0, 1.0, 1e-2, 1e-6], BOTH))
 def test_no_ray_gets_out_of_a_sharp_wedge(degrees: float, surface: Any) -> None:
     """Of walls that end on each other at an angle, and at what it leaves of half a turn."""
     for number, (scale, away) in enumerate(PLACES):

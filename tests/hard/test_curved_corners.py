@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from oracles import gates
 from oracles.curved import leaks_of, rays_in
+from oracles.pairs import alternately
 from oracles.regions import REGIONS, made
 
 from photizon_cl.scene.surfaces.fresnel import Fresnel
@@ -29,8 +30,9 @@ def placed(r: np.random.Generator, kind: str, surface: Any, number: int, tilt: A
     return made(kind, surface, tilt, scale, away * scale * r.uniform(-1, 1, 3))
 
 
-@pytest.mark.parametrize("surface", [Mirror(1.0), Lambertian(1.0)], ids=["mirrors", "matt"])
-@pytest.mark.parametrize("kind", REGIONS)
+@pytest.mark.parametrize(
+    ("kind", "surface"), alternately(REGIONS, {"mirrors": Mirror(1.0), "matt": Lambertian(1.0)})
+)
 def test_no_ray_gets_through_where_surfaces_meet(kind: str, surface: Any) -> None:
     """Mirrors along the axes and matt surfaces that are tilted, at every size and distance."""
     for number in range(len(PLACES)):
