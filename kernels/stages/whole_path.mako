@@ -7,7 +7,7 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
     const launch_t settings = open_launch(launch_buffer);
     const launch_t *launch = &settings;
     const scene_t scene = open_scene(geometry, materials, sources, codes);
-% if splits:
+% if splits or records:
     const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
 % endif
     const records_t records = open_records(launch, record_reals, record_words, me);
@@ -25,7 +25,7 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
     for (;;) {
         if (!p.alive) {
             if (!item.stack) break;
-% if splits:
+% if splits or records:
             item.stack--;
             take_rays(&queue, (long)item.stack, ALL_LANES, &p);
 % endif
@@ -45,7 +45,9 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
         push_rays(&queue, &item.stack, child.alive, &child);
 % endif
     }
-% if splits:
+% if splits or records:
+    // stopped on its way: for want of room for children, or for what is recorded, which a ray that passes
+    // many detectors makes more of than one
     push_rays(&queue, &item.stack, p.alive, &p);
 % endif
     close_ledger(&ledger);

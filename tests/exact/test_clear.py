@@ -51,6 +51,22 @@ def test_passing_is_no_interaction_and_brings_no_ray_nearer_to_the_cap():
     assert found.detector("element 5").ladder == [64, 0, 0]
 
 
+@pytest.mark.parametrize("choice", [
+    {}, {"lanes": 1}, {"composition": "classical"}, {"composition": "whole-path", "lanes": 1},
+], ids=["packets", "one lane", "classical", "whole path"])  # fmt: skip
+def test_a_ray_that_passes_many_detectors_goes_on(choice):
+    """Each records it: more than there is room for at once, which stops it on its way."""
+    planes = [plane((0, 0, 0.1 * k), side="back") for k in range(1, 10)]
+    target = {**wall((0, 0, 1), "-z"), **BLACK, "detector": {}}
+    found = trace(
+        scene_of([beam((0, 0, 0), "+z")], [*planes, target]),
+        rays_per_batch=64,
+        plan=PLAN.with_(**choice),
+    )
+    assert [found.detector(f"element {n}").count for n in range(10)] == [64] * 10
+    assert found.absorbed("element 9") == found.emitted
+
+
 @pytest.mark.parametrize(("side", "direction", "seen"), [
     ("front", "-z", 64), ("front", "+z", 0), ("back", "+z", 64), ("back", "-z", 0),
     (None, "-z", 64),
