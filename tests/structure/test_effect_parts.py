@@ -131,3 +131,4 @@ def test_scenes_that_count_alike_share_the_program_that_counts() -> None:
     ]
     assert len({program_source(one) for one in specs}) == 2
     assert len({program_source(one.for_tally()) for one in specs}) == 1
+    assert len({one.for_tally() for one in specs}) == 1
