@@ -133,7 +133,7 @@ def test_out_is_refused_before_anything_runs(run, tmp_path):
 )
 def test_losing_the_result_of_another_run_is_said(arguments, lost, run, room, tmp_path):
     room.save(tmp_path, figures=False)
-    status, _, err = run("run", *arguments, "--batches", "11", "--out", tmp_path)
+    status, _, err = run("run", *arguments, "--batches", "11", "--no-figures", "--out", tmp_path)
     assert status == 0
     assert pz.open_result(tmp_path).batches == 11
     assert f"holds the result of {lost}" in err if lost else "holds the result" not in err
@@ -145,7 +145,7 @@ def test_a_shorter_run_leaves_nothing_unfinished(run, tmp_path):
     assert status == 1
     assert "is kept" in err
     assert not (tmp_path / "checkpoint.nc").exists()
-    assert run("run", "cosine-fourth", "--batches", "2", "--out", tmp_path)[0] == 0
+    assert run("run", "cosine-fourth", "--batches", "2", "--no-figures", "--out", tmp_path)[0] == 0
 
 
 # -- success ---------------------------------------------------------------------------------------

@@ -94,7 +94,7 @@ BLACK = 'surface = { kind = "absorber" }\n'
 
 HOSTILE = "<b>&µ, [x] %"
 NAMES = [HOSTILE, *(f"plate {n}" for n in range(1, 13)), "tallies.landings"]
-RUN = ("--rays-per-batch", "2048")
+RUN = ("--rays-per-batch", "2048", "--no-figures")
 
 
 def plates(names):

@@ -115,18 +115,30 @@ CHOICES: dict[str, dict[str, Any]] = {
 }
 
 
-@every_scene
-@pytest.mark.parametrize("choice", CHOICES)
+# each of these makes a program, and one scene's is enough
+BUILDS = {"K = 1": "ghost-ladder", "groups of 4": "box-room", "interleaved queue": "ghost-ladder"}
+
+
+@pytest.mark.parametrize(
+    ("choice", "name"),
+    [
+        pytest.param(
+            choice, name, marks=pytest.mark.slow if BUILDS.get(choice, name) != name else ()
+        )
+        for choice in CHOICES
+        for name in SCENES
+    ],
+)
 def test_choices_at_4_lanes(name: str, choice: str) -> None:
     same(name, **CHOICES[choice])
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 2, 8, 16, rest=(1, 8)))
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 2, 8, rest=(8,)) + WIDE)
 def test_lane_widths(name: str, lanes: int) -> None:
     same(name, lanes=lanes, refill=max(lanes // 4, 1), batches=3 if lanes == 1 else BATCHES)
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 16, rest=(1,)))
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 16))
 def test_widest_and_scalar_with_other_choices(name: str, lanes: int) -> None:
     """K = 3 and stacks that grow at the widths with packets of their own kind."""
     plan = {"max_bounces": 3, "stack_rays": 1, "items": 7, "tally_parts": 1}
@@ -163,7 +175,9 @@ def test_one_and_two_threads(name: str) -> None:
         same(name, device=open_device("", units), tally_copies=units, wave_rays=1 << 20)
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 8))
+@pytest.mark.parametrize(
+    ("name", "lanes"), [*wholly("everything", 8), *(pytest.param(s, 1, marks=pytest.mark.slow) for s in SCENES)]
+)
 @pytest.mark.parametrize("origin", ["debian", "pypi"])
 def test_both_pocls(name: str, origin: str, lanes: int) -> None:
     same(name, device=open_device(origin), lanes=lanes, refill=1, batches=3)
@@ -187,8 +201,15 @@ def test_every_other_device_at_every_width(name: str, lanes: int) -> None:
         same(name, device=open_record(record), lanes=lanes, refill=1, batches=3)
 
 
-@pytest.mark.parametrize("composition", ["packets", "classical"])
-@pytest.mark.parametrize("name", ["ghost-ladder", "everything"])
+@pytest.mark.parametrize(
+    ("name", "composition"),
+    [
+        ("ghost-ladder", "packets"),
+        ("ghost-ladder", "classical"),
+        ("everything", "packets"),
+        pytest.param("everything", "classical", marks=pytest.mark.slow),
+    ],
+)
 def test_rays_in_turn_through_a_tree(name: str, composition: str) -> None:
     """Splitting, roulette, records, small segments: rays change places wherever they can."""
     tables = everything() if name == "everything" else name

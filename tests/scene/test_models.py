@@ -457,7 +457,7 @@ def test_the_automatic_floor_is_a_number_where_rays_split():
         pz.RunSettings(roulette_floor="none")
 
 
-@pytest.mark.parametrize("panes", [2, 3])
+@pytest.mark.parametrize("panes", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_glazing_reaches_its_target_as_it_is(panes):
     """Double and triple glazing, with all defaults."""
     faces = []
