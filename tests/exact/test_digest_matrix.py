@@ -176,7 +176,8 @@ def test_one_and_two_threads(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "lanes"), [*wholly("everything", 8), *(pytest.param(s, 1, marks=pytest.mark.slow) for s in SCENES)]
+    ("name", "lanes"),
+    [*wholly("everything", 8), *(pytest.param(s, 1, marks=pytest.mark.slow) for s in SCENES)],
 )
 @pytest.mark.parametrize("origin", ["debian", "pypi"])
 def test_both_pocls(name: str, origin: str, lanes: int) -> None:

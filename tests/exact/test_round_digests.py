@@ -86,6 +86,7 @@ def test_classical_wavefront() -> None:
     same(scene(), composition="classical", lanes=8, stack_rays=2)
 
 
+@pytest.mark.slow  # of every kind in test_digest_matrix.py
 def test_whole_paths() -> None:
     same(scene(), composition="whole-path", lanes=1)
 
@@ -109,7 +110,10 @@ def apart(force: frozenset[str] = frozenset()) -> Traced:
     return trace_compiled(made, 2, plan=PLAN)
 
 
-@pytest.mark.parametrize("effect", ["tilt", "contact", "acceleration"])
+@pytest.mark.parametrize(
+    "effect",
+    ["contact", *(pytest.param(e, marks=pytest.mark.slow) for e in ("tilt", "acceleration"))],
+)
 def test_forced_effects_where_nothing_touches(effect: str) -> None:
     assert "contact" not in apart().compiled.effects
     assert all(apart().absorbed(f"element {n}") > 0.1 for n in range(1, 5))

@@ -202,7 +202,7 @@ def test_what_a_corner_does_to_a_ray_depends_on_no_schedule() -> None:
     digests = set()
     for accelerate in (False, True):
         made = compile_scene(scene, run, **with_tree(accelerate))
-        for plan in PLANS[:2] if accelerate else PLANS:  # through a tree rays go one by one
+        for plan in PLANS[:1] if accelerate else PLANS:  # through a tree rays go one by one
             found = trace_compiled(made, plan=plan)
             assert found.escaped == 0
             assert found.absorbed(chamber.elements[-1].name) == 0

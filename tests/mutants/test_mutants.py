@@ -480,6 +480,14 @@ def test_production_renders_what_stands_there() -> None:
     assert templates.point("mirror.weight", "w") == "w"
 
 
+BUILDS_LONG = (
+    "what a ray notes of a concentrator depends on its neighbours",
+    "a ray taken in turn goes on among another's boxes",
+    "a disk's rim is no part of the wall that ends there",
+)
+"""Mutants that are slow whatever else their gates catch: programs of many scenes or widths."""
+
+
 @cache
 def passes_when_healthy(gate: Callable[[], object]) -> None:
     """Run a gate on the engine as it is, once however many mutants it is for."""
@@ -490,7 +498,8 @@ def _first_of_each_gate() -> Iterator[ParameterSet]:
     """Give the mutants; those are slow whose gate has caught another one already."""
     seen: set[object] = set()
     for mutant in MUTANTS:
-        marks = [pytest.mark.slow] if mutant.gate in seen else []
+        again = mutant.gate in seen or mutant.name in BUILDS_LONG
+        marks = [pytest.mark.slow] if again else []
         seen.add(mutant.gate)
         yield pytest.param(mutant, id=mutant.name, marks=marks)
 
