@@ -104,14 +104,16 @@ def _pilot(scene: Scene) -> tuple[str, list[str]]:
     """Return what a pilot found on one line, and what of that is worth a second look."""
     from hostcode.errors import HostError
     from photizon_cl.errors import PhotizonError
+    from photizon_cl.run.media import clashing_media
     from photizon_cl.run.pilot import pilot
 
     try:
         found = pilot(scene)
+        clashes = clashing_media(scene)
     except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
         return f"pilot: none was traced: {str(error) or 'no memory is left for it'}", []
     advice = found.before(scene.run.rays_per_batch)
-    return f"pilot: {found}", [advice] if advice else []
+    return f"pilot: {found}", [*clashes, *([advice] if advice else [])]
 
 
 def _memory(compiled: CompiledScene) -> str:

@@ -80,13 +80,15 @@ def _effects() -> dict[str, tuple[str, str]]:
 # -- all -----------------------------------------------------------------------------------------
 
 
-def _list(out: Console) -> None:
+def _list(out: Console, only: str | None = None) -> None:
+    """List the kinds of every group, or of one."""
     from rich.text import Text
 
     from photizon_cl.cli.tables import paragraph
     from photizon_cl.scene.described import parameters_of
 
-    for label, group in _groups().items():
+    groups = _groups()
+    for label, group in ({only: groups[only]} if only in groups else groups).items():
         out.print(Text(f"{label}s" if len(group) > 1 else label, "bold"))
         common = _common(group.values()) if len(group) > 1 else []
         if common:
@@ -98,7 +100,19 @@ def _list(out: Console) -> None:
             own = [_parameter(cls, name) for name in parameters_of(cls) if name not in common]
             if own:
                 out.print(_soft(paragraph(", ".join(own), "    ")), soft_wrap=True)
-        out.print()
+        if only is None:
+            out.print()
+    if only is None:
+        _list_others(out)
+
+
+def _list_others(out: Console) -> None:
+    """List the tables that have no kinds, and the effects."""
+    from rich.text import Text
+
+    from photizon_cl.cli.tables import paragraph
+    from photizon_cl.scene.described import parameters_of
+
     out.print(Text("tables", "bold"))
     for name, cls in _tables().items():
         out.print(paragraph(f"{name}: {_sentence(cls)}"), soft_wrap=True)
@@ -169,6 +183,9 @@ def _describe(kind: str, out: Console) -> None:
 
     groups, effects = {**_groups(), "table": _tables()}, _effects()
     label = next((label for label, group in groups.items() if kind in group), None)
+    if label is None and kind.removesuffix("s") in _groups():
+        _list(out, kind.removesuffix("s"))
+        return
     if label is None and kind not in effects:
         raise ArgumentError(_unknown(kind, groups, effects))
     if label is None:

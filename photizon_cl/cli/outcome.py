@@ -11,7 +11,7 @@ from rich.text import Text
 from photizon_cl.cli.tables import console, heading, paragraph, print_table, table
 from photizon_cl.errors import ResultError, printable, printable_lines
 from photizon_cl.result.tallies import only_counts, ranked
-from photizon_cl.result.text import lit_percent, with_error
+from photizon_cl.result.text import batches, lit_percent, with_error
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -74,7 +74,7 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
     run = result.scene.run
     out.print(
         paragraph(
-            f"{result.batches} batches of {run.rays_per_batch} rays, seed {run.seed}, "
+            f"{batches(result.batches)} of {run.rays_per_batch} rays, seed {run.seed}, "
             f"{result.info.interactions / 1e6:.4g} M interactions in {result.info.seconds:.2f} s "
             f"on {result.info.device}",
             "",
@@ -100,7 +100,7 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
         text = f"median relative σ {far:.3g} over the lit bins of the far field"
         out.print(paragraph(text, ""), soft_wrap=True)
     if result.info.stopped in _STOPPED:
-        text = f"stopped {_STOPPED[result.info.stopped]} after {result.batches} batches"
+        text = f"stopped {_STOPPED[result.info.stopped]} after {batches(result.batches)}"
         out.print(paragraph(text, ""), soft_wrap=True)
     out.print(result.tally_digest, soft_wrap=True)
     for text in result.advisories:

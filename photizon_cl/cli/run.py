@@ -71,7 +71,7 @@ def call(arguments: argparse.Namespace) -> int:
 
     as_run = with_settings(scene, seed=arguments.seed, rays_per_batch=arguments.rays_per_batch)
     _tell_loss(arguments.out, as_run)
-    said = _warn_of_splitting(scene)
+    said = _advise(scene, as_json=arguments.json)
     with Display(scene.heading) as display:
         if recipe is not None:
             result = recipe.trace(
@@ -145,13 +145,15 @@ def _recipe(arguments: argparse.Namespace) -> Recipe:
     return Recipe.read(given)
 
 
-def _warn_of_splitting(scene: Scene) -> list[str]:
-    """Say a scene's advisories before the run where it has glass; return what was said."""
-    if not any(element.surface.splits for element in scene.element):
+def _advise(scene: Scene, *, as_json: bool) -> list[str]:
+    """Say a scene's advisories before the run; return what was said.
+
+    The JSON has them; a scene that splits without end may take all its time, so then as well.
+    """
+    if as_json and not any(element.surface.splits for element in scene.element):
         return []
     from photizon_cl.checks.advisories import advisories
 
-    # a scene that splits without end may take all its time
     found = advisories(scene)
     for advisory in found:
         print(f"advisory: {advisory}", file=sys.stderr)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.errors import show
@@ -40,7 +41,7 @@ def _short(result: Estimates) -> Iterator[str]:
         if result.info.goal.target is not None:  # else a number of batches was asked for
             yield (
                 f"the target was not met: the median relative σ is {achieved:.3g} and {target:.3g} "
-                "was asked for; go on with a higher max_seconds or more batches"
+                f"was asked for; {_needed(result, achieved / target)}"
             )
     elif result.batches < 2:
         yield "a single batch has no standard error: run at least two, better 8 or more"
@@ -51,6 +52,19 @@ def _short(result: Estimates) -> Iterator[str]:
         )
     if 1 < result.batches < LEAST_BATCHES:
         yield f"σ from {result.batches} batches is itself uncertain; run {LEAST_BATCHES} or more"
+
+
+def _needed(result: Estimates, above: float) -> str:
+    """Say how many batches should do; σ falls with their square root."""
+    batches = max(math.ceil(result.batches * above * above), LEAST_BATCHES)
+    if batches <= result.batches:  # there are too few to stop at a target
+        batches = LEAST_BATCHES
+    digits = 10 ** max(len(str(batches)) - 2, 0)
+    batches = -(-batches // digits) * digits
+    return (
+        f"about {batches} batches in all should reach it: go on with `photizon resume` or "
+        "Result.refine, with a max_seconds that allows it"
+    )
 
 
 def _missed(result: Estimates) -> Iterator[str]:

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from math import floor, log10
 
-__all__ = ["lit_percent", "with_error"]
+__all__ = ["batches", "lit_percent", "with_error"]
+
+
+def batches(number: int) -> str:
+    """Return how many batches there are, in words."""
+    return "1 batch" if number == 1 else f"{number} batches"
 
 
 def lit_percent(part: float) -> str:

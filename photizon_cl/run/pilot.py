@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.settings import RunSettings
 
-__all__ = ["pilot"]
+__all__ = ["pilot", "pilot_of_capped", "without_bins"]
 
 _RAYS: Final = 512
 _SEED: Final = 0x70696C6F74
@@ -74,7 +74,7 @@ def pilot(
     cap = scene.run.generation_cap
     rays = max(_RAYS, len(scene.source))
     settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
-    flight = _Flight(_compiled(_without_bins(scene), settings), device, plan, stop)
+    flight = _Flight(_compiled(without_bins(scene), settings), device, plan, stop)
     left: list[tuple[int, float]] = []
     missed = interactions = 0.0
     complete = False
@@ -203,7 +203,7 @@ class _Flight:
         return late or self.stop() or engine.statistics.interactions > self.room
 
 
-def _without_bins(scene: Scene) -> Scene:
+def without_bins(scene: Scene) -> Scene:
     """Return a scene with a single bin in each map: the same program, and no memory to speak of."""
     one = {
         n: dataclasses.replace(e, detector=dataclasses.replace(e.detector, map=(1, 1)))

@@ -94,7 +94,7 @@ def _read_text(path: Path, file: str) -> str:
                 file, f"the ending {show(path.suffix)}", "a file that ends in .toml or .json", hint
             )
         if not path.exists():
-            raise _fail(file, "no such file", expected, "check the path, or see the presets")
+            raise _fail(file, "no such file", expected, _nearby(path))
         if not path.is_file():
             raise _fail(file, "something that is not a regular file", expected)
         if path.stat().st_size > LARGEST_FILE:
@@ -119,6 +119,16 @@ def _read_text(path: Path, file: str) -> str:
     if not text.strip():
         raise _fail(file, "an empty file", expected, "start from a preset's file")
     return text
+
+
+def _nearby(path: Path) -> str:
+    """Return what may have been meant by the path of a file that is not there."""
+    there = sorted(p.name for s in SUFFIXES for p in path.parent.glob(f"*{s}"))
+    near = difflib.get_close_matches(path.name, there, 1)
+    near += difflib.get_close_matches(path.stem, preset_names(), 1)
+    if near:
+        return f"did you mean {' or the preset '.join(map(show, near))}?"
+    return "check the path, or see the presets"
 
 
 def parse_toml(text: str, file: str | None = None) -> Any:

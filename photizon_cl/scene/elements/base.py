@@ -32,6 +32,11 @@ _ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bri
 _FACES = ("faces", "outline")  # what is cached of an element's faces
 
 
+def _counting() -> list[str]:
+    """Return the kinds of surface that carry a detector."""
+    return sorted(cls.kind for cls in Surface.__subclasses__() if cls.carries_detector)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Element(Described):
     """A piece of geometry with one surface and, where that carries one, perhaps a detector.
@@ -120,7 +125,8 @@ class Element(Described):
                     show(given),
                     f"no detector on a {optics.kind} surface",
                     hint="a detector counts what ends on a surface, or passes it, and this one "
-                    "sends a part of what arrives back or aside; take one that carries a detector",
+                    "sends a part of what arrives back or aside; take one that carries a detector: "
+                    f"{' or '.join(_counting())}",
                 )
             )
         side, sides = detector.get("side"), FLAT_SIDES if cls.flat else CURVED_SIDES

@@ -1,0 +1,98 @@
+"""Faces that say different things of the medium between them are told before a run."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+import photizon_cl as pz
+from photizon_cl.cli.main import main
+from photizon_cl.run.media import clashing_media
+from photizon_cl.scene.presets import preset_names
+
+GLASS = pz.Fresnel(1.5)
+LAMP = pz.CollimatedDisk(name="lamp", flux=1.0, position=(0, 0, -1), axis="+z", radius=0.1)
+PLATE = pz.Disk(name="plate", position=(0, 0, 1), axis="-z", radius=1.0, surface=pz.Absorber())
+
+
+def face(name, z, axis, surface=GLASS, **more):
+    return pz.Disk(name=name, position=(0, 0, z), axis=axis, radius=0.5, surface=surface, **more)
+
+
+def scene(*elements, source=LAMP, **run):
+    settings = {"rays_per_batch": 256, "generation_cap": 8, **run}
+    return pz.Scene("media", (source,), (*elements, PLATE), run=pz.RunSettings(**settings))
+
+
+FRONT, BACK = face("front", 0.0, "-z"), face("back", 0.01, "+z")
+
+
+def test_a_window_whose_faces_look_outwards_says_nothing():
+    assert clashing_media(scene(FRONT, BACK)) == []
+
+
+@pytest.mark.parametrize("turned", ["front", "back"])
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (20.0, -30.0)])
+def test_a_face_that_is_turned_round_is_told(turned, tilt):
+    opposite = {"-z": "+z", "+z": "-z"}
+    faces = [
+        dataclasses.replace(f, axis=opposite[f.axis] if f.name == turned else f.axis, tilt_deg=tilt)
+        for f in (FRONT, BACK)
+    ]
+    (said,) = clashing_media(scene(*faces))[:1]
+    left, met = ("1", "1.5") if turned == "front" else ("1.5", "1")
+    assert f'leaves "front" in a medium of index {left} meets "back" as from one of {met}' in said
+    assert "the opposite axis turns it" in said
+
+
+def test_what_passes_or_reflects_between_them_changes_no_medium():
+    clear = face("clear", 0.005, "+z", pz.Clear())
+    assert clashing_media(scene(FRONT, clear, BACK)) == []
+    turned = dataclasses.replace(BACK, axis="-z")
+    (said,) = clashing_media(scene(FRONT, clear, turned))[:1]
+    assert 'leaves "front"' in said
+    # a mirror in glass: the light comes back to the face that it came in by
+    mirror = face("mirror", 0.01, "-z", pz.Mirror(0.9))
+    assert clashing_media(scene(FRONT, mirror)) == []
+
+
+def test_an_index_that_is_not_the_bodys_is_told():
+    other = dataclasses.replace(BACK, surface=pz.Fresnel(1.6))
+    (said,) = clashing_media(scene(FRONT, other))[:1]
+    assert 'leaves "front" in a medium of index 1.5 meets "back" as from one of 1.6' in said
+    cement = dataclasses.replace(BACK, surface=pz.Fresnel(1.5, index_outside=1.6))
+    end = face("end", 0.02, "+z", pz.Fresnel(1.6))
+    assert clashing_media(scene(FRONT, cement, end)) == []
+
+
+def test_lamps_in_glass_and_bodies_of_glass_say_nothing():
+    ball = pz.Sphere(name="ball", position=(0, 0, 0), axis="+z", radius=0.5, surface=GLASS)
+    lens = pz.PlanoConvex(
+        name="lens", position=(0, 0, 0.7), axis="+z", curvature_radius=0.3, aperture_radius=0.2,
+        surface=GLASS,
+    )  # fmt: skip
+    lamp = pz.IsotropicPoint(name="lamp", flux=1.0, position=(0.01, 0.02, 0.03))
+    assert clashing_media(scene(ball, lens, source=lamp)) == []
+
+
+def test_faces_in_contact_say_nothing():
+    """Between them is a film, as `check` says of each pair."""
+    second = [face("third", 0.01, "-z", pz.Fresnel(1.8)), face("fourth", 0.02, "+z", pz.Fresnel(1.8))]
+    assert clashing_media(scene(FRONT, BACK, *second)) == []
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_nothing_is_said_of_the_presets(name):
+    assert clashing_media(pz.load(name)) == []
+
+
+def test_check_says_it(tmp_path, capsys):
+    turned = dataclasses.replace(BACK, axis="-z")
+    file = tmp_path / "window.toml"
+    scene(FRONT, turned).save(file)
+    assert main(["check", str(file)]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert 'light that leaves "front" in a medium of index 1.5 meets "back"' in out
+    assert main(["check", str(file), "--no-pilot"]) == 0
+    assert "in a medium of index" not in capsys.readouterr().out
