@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["run_advisories"]
 
 _LIT: Final = 0.5  # part of the map bins that should be lit
+_MANY: Final = 10**7  # batches that are written with a power of ten
 
 
 def run_advisories(result: Estimates) -> list[str]:
@@ -61,8 +62,9 @@ def _needed(result: Estimates, above: float) -> str:
         batches = LEAST_BATCHES
     digits = 10 ** max(len(str(batches)) - 2, 0)
     batches = -(-batches // digits) * digits
+    many = f"{batches:.1e}" if batches >= _MANY else str(batches)
     return (
-        f"about {batches} batches in all should reach it: go on with `photizon resume` or "
+        f"about {many} batches in all should reach it: go on with `photizon resume` or "
         "Result.refine, with a max_seconds that allows it"
     )
 

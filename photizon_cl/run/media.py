@@ -72,9 +72,7 @@ def clashing_media(scene: Scene, device: DeviceRecord | str | None = None) -> li
     ]
 
 
-def _sentence(
-    scene: Scene, left: int, index: float, met: int, other: float, part: float
-) -> str:
+def _sentence(scene: Scene, left: int, index: float, met: int, other: float, part: float) -> str:
     a, b = (scene.element[n].name for n in (left, met))
     return (
         f'light that leaves "{a}" in a medium of index {index:g} meets "{b}" as from one of '

@@ -124,10 +124,11 @@ def _read_text(path: Path, file: str) -> str:
 def _nearby(path: Path) -> str:
     """Return what may have been meant by the path of a file that is not there."""
     there = sorted(p.name for s in SUFFIXES for p in path.parent.glob(f"*{s}"))
-    near = difflib.get_close_matches(path.name, there, 1)
-    near += difflib.get_close_matches(path.stem, preset_names(), 1)
+    near = [show(name) for name in difflib.get_close_matches(path.name, there, 1)]
+    presets = difflib.get_close_matches(path.stem, preset_names(), 1)
+    near += [f"the preset {show(name)}" for name in presets]
     if near:
-        return f"did you mean {' or the preset '.join(map(show, near))}?"
+        return f"did you mean {' or '.join(near)}?"
     return "check the path, or see the presets"
 
 

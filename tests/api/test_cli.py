@@ -302,6 +302,38 @@ def test_a_preset_that_does_not_exist(run):
     assert len(err.splitlines()) == 1
 
 
+@pytest.mark.parametrize("group", ["source", "sources", "elements", "surface"])
+def test_kinds_lists_a_group(group, run):
+    status, out, err = run("kinds", group)
+    assert (status, err) == (0, "")
+    assert out.startswith(f"{group.removesuffix('s')}s\n")
+    everything = run("kinds")[1]
+    assert out.strip() in everything
+    for other in {"sources", "elements", "surfaces", "tables"} - {group.removesuffix("s") + "s"}:
+        assert f"\n{other}\n" not in out
+
+
+def test_what_may_have_been_meant_by_a_file_is_said(run, tmp_path):
+    (tmp_path / "lamp.toml").write_text("")
+    status, _, err = run("run", tmp_path / "lamb.toml")
+    assert status == 2
+    assert 'did you mean "lamp.toml"?' in err
+    assert 'did you mean the preset "box-room"?' in run("check", "box-rom.toml")[2]
+    assert "check the path, or see the presets" in run("check", "zzz.toml")[2]
+
+
+def test_a_scenes_advisories_stand_before_the_run(run, tmp_path):
+    text = pz.load("cosine-fourth").to_dict()
+    text["element"][0] |= {"detector": {"side": "back"}}
+    pz.load(text).save(tmp_path / "dark.toml")
+    status, out, err = run("run", tmp_path / "dark.toml", "--batches", "2")
+    assert status == 0
+    assert err.startswith("advisory: ")
+    assert "faces away from every source" in err
+    assert "faces away from every source" not in out
+    assert run("run", tmp_path / "dark.toml", "--batches", "2", "--json")[2] == ""
+
+
 def test_kinds_lists_all_that_a_scene_can_hold(run):
     status, out, err = run("kinds")
     assert (status, err) == (0, "")

@@ -78,7 +78,10 @@ def test_lamps_in_glass_and_bodies_of_glass_say_nothing():
 
 def test_faces_in_contact_say_nothing():
     """Between them is a film, as `check` says of each pair."""
-    second = [face("third", 0.01, "-z", pz.Fresnel(1.8)), face("fourth", 0.02, "+z", pz.Fresnel(1.8))]
+    second = [
+        face("third", 0.01, "-z", pz.Fresnel(1.8)),
+        face("fourth", 0.02, "+z", pz.Fresnel(1.8)),
+    ]
     assert clashing_media(scene(FRONT, BACK, *second)) == []
 
 

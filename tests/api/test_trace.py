@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 import multiprocessing
+import re
 import signal
 import threading
 import time
@@ -201,7 +202,10 @@ def test_time_runs_out():
     assert time.perf_counter() - started < 10.0
     assert result.batches >= 1
     assert not result.converged
-    assert any("target was not met" in text for text in result.advisories)
+    (said,) = [text for text in result.advisories if "target was not met" in text]
+    needed = result.batches * (result.achieved_sigma / result.target_sigma) ** 2
+    (told,) = re.findall(r"about ([\d.e+]+) batches in all", said)
+    assert max(needed, 8) <= float(told) <= max(1.1 * needed + 1, 8)
     shortest = pz.trace("integrating-sphere", batches=50, max_seconds=1e-9, rays_per_batch=QUICK)
     assert shortest.batches == 1
 
