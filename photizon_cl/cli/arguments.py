@@ -93,5 +93,10 @@ def add_goal(parser: argparse.ArgumentParser, batches: str, more: str = "") -> N
         "--target", type=number, metavar="S", help="stop at a median relative σ of S, in (0, 1]"
     )
     parser.add_argument(
+        "--target-on", action="extend", nargs="+", metavar="Q",
+        help="quantities that must each meet the target: detectors.NAME.power, .map, far_field, "
+        "ledger.escaped, ...",
+    )  # fmt: skip
+    parser.add_argument(
         "--max-seconds", type=number, metavar="T", help=f"stop after T {more}seconds"
     )

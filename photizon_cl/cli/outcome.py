@@ -89,7 +89,9 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
     sigma = "unknown" if achieved is None else f"{achieved:.3g}"
     verdict = "met" if result.converged else "not met"
     out.print()
-    text = f"median relative σ {sigma}, target {result.target_sigma:.3g} {verdict}"
+    on = result.scene.run.target_on
+    what = f"largest relative σ of {', '.join(on)}" if on else "median relative σ"
+    text = f"{what} {sigma}, target {result.target_sigma:.3g} {verdict}"
     if result.least_lit is not None:
         name, lit, maps = result.least_lit
         text += f"; {lit_percent(lit)} of the bins lit"

@@ -34,6 +34,7 @@ def call(arguments: argparse.Namespace) -> int:
         result = start.refine(
             batches=arguments.batches,
             target=arguments.target,
+            target_on=arguments.target_on,
             max_seconds=arguments.max_seconds,
             device=arguments.device,
             progress=display.update,

@@ -26,6 +26,7 @@ from photizon_cl.compile.packing import (
     strides,
     surface_kinds,
 )
+from photizon_cl.compile.quantities import watched
 from photizon_cl.compile.rays import check_weights, ray_weights, share_rays
 from photizon_cl.errors import ArgumentError, Problem, SceneError, show
 
@@ -128,6 +129,7 @@ def compile_scene(
             if (shape := e.cells(scene))
         ],
     )
+    layout = replace(layout, watched=watched(scene, layout, settings.target_on))
     draft = Draft(scene, settings, layout, recentre(scene))
     for effect, reason in used:
         effect.prepare(draft, forced=reason == _FORCED)

@@ -13,14 +13,20 @@ if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
 
 __all__ = [
+    "MOST_ABSORBING",
     "ROWS",
     "CellGroup",
     "DetectorCells",
     "LedgerRow",
+    "Quantity",
     "TallyCells",
     "TallyLayout",
     "lay_out",
 ]
+
+
+MOST_ABSORBING: Final = 1024
+"""Elements of a scene of which each one's absorbed power is kept batch by batch."""
 
 
 @dataclass(frozen=True)
@@ -175,12 +181,33 @@ class CellGroup:
 
 
 @dataclass(frozen=True)
+class Quantity:
+    """A quantity that results have by its name, see `photizon_cl.compile.quantities`.
+
+    Parameters
+    ----------
+    name : str
+        For example ``detectors."wall -x".power``.
+    first : int
+        Its cell, or the first of its bins, in a batch's tally.
+    bins : int
+        Number of its bins; 0 for a scalar, which is one cell.
+    """
+
+    name: str
+    first: int
+    bins: int = 0
+
+
+@dataclass(frozen=True)
 class TallyLayout:
     """Meaning of the cells of a batch's tally.
 
     Cells ``0 … n_elements − 1`` are absorbed by the elements; then come the named rows of the
     ledger, the detectors' cells, the cells that effects bring, and last the row of interactions, of
     which only the count is used.
+
+    `watched` are the quantities that must each meet a run's target, where it names any.
     """
 
     n_elements: int
@@ -188,6 +215,7 @@ class TallyLayout:
     detectors: tuple[DetectorCells, ...]
     groups: tuple[CellGroup, ...]
     n_cells: int
+    watched: tuple[Quantity, ...] = ()
 
     def row(self, name: str) -> int:
         """Return the cell of a row of the ledger."""
@@ -231,6 +259,21 @@ class TallyLayout:
     def n_rows(self) -> int:
         """Cells of the ledger."""
         return self.n_elements + len(self.rows)
+
+    @property
+    def scalars(self) -> tuple[tuple[int, int], ...]:
+        """First cell and number of the cells whose batches are kept one by one, ascending.
+
+        The ledger, powers and ladders of detectors; not what single elements absorb where they are
+        more than `MOST_ABSORBING`.
+        """
+        first = 0 if self.n_elements <= MOST_ABSORBING else self.n_elements
+        found = [(first, self.n_rows - first)]
+        for d in self.detectors:
+            found.append((d.power, 1))
+            if d.n_generations:
+                found.append((d.ladder, d.n_generations))
+        return tuple(sorted(found))
 
     @property
     def far_field(self) -> int:

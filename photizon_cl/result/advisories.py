@@ -10,6 +10,7 @@ from photizon_cl.result.pilot import NEGLIGIBLE, UNTOLD
 from photizon_cl.result.stopping import LEAST_BATCHES
 from photizon_cl.result.text import lit_percent
 from photizon_cl.scene.elements.base import OTHER_SIDE
+from photizon_cl.scene.parameter_paths import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["run_advisories"]
 
 _LIT: Final = 0.5  # part of the map bins that should be lit
+_FAR: Final = 2.0
+"""Times the target that a detector's relative σ may be where another quantity met it."""
 _MANY: Final = 10**7  # batches that are written with a power of ten
 
 
@@ -27,6 +30,7 @@ def run_advisories(result: Estimates) -> list[str]:
     """Return one sentence for each thing that a run's outcome gives reason for."""
     return [
         *_short(result),
+        *_left_behind(result),
         *_missed(result),
         *_dark_detectors(result),
         *_capped(result),
@@ -67,6 +71,23 @@ def _needed(result: Estimates, above: float) -> str:
         f"about {many} batches in all should reach it: go on with `photizon resume` or "
         "Result.refine, with a max_seconds that allows it"
     )
+
+
+def _left_behind(result: Estimates) -> Iterator[str]:
+    """Find detectors that stand far above a target that was met on something else."""
+    if not result.converged or result.info.goal.target is None or result.scene.run.target_on:
+        return
+    for name, detector in result.detectors.items():
+        power = detector.power
+        if not power.value or power.sigma is None:
+            continue
+        relative = power.sigma / abs(power.value)
+        if relative > _FAR * result.target_sigma:
+            yield (
+                f"the target of {result.target_sigma:.3g} was met by the median, and the power of "
+                f"{show(name)} is known to {100.0 * relative:.2g} % alone: name what must meet it, "
+                f"target_on = ['detectors.{quoted(name)}.power']"
+            )
 
 
 def _missed(result: Estimates) -> Iterator[str]:

@@ -14,9 +14,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from photizon_cl.checks.advisories import advisories
+from photizon_cl.compile.layout import MOST_ABSORBING
+from photizon_cl.compile.quantities import quantity_of, scalars
+from photizon_cl.errors import ArgumentError, ResultError
 from photizon_cl.result.advisories import run_advisories
+from photizon_cl.result.batch_values import MOST_VALUES
 from photizon_cl.result.engine import engine_digest
-from photizon_cl.result.ledger import Ledger
+from photizon_cl.result.ledger import Estimate, Ledger, watts
 from photizon_cl.result.maps import DetectorResult, FarFieldResult
 from photizon_cl.result.stopping import Goal, achieved_sigma
 from photizon_cl.result.tallies import EffectTally, effect_tallies
@@ -29,6 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.compile.layout import Quantity
     from photizon_cl.result.pilot import Pilot
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene
@@ -162,6 +167,83 @@ class Estimates:
         if self.scene.far_field is None:
             return None
         return FarFieldResult.of(self.compiled, self.tally, self.scene.far_field)
+
+    # -- by name -------------------------------------------------------------------------------
+
+    def quantity(self, name: str) -> Estimate:
+        """Return a scalar by its name: value, σ and count.
+
+        Parameters
+        ----------
+        name : str
+            For example ``detectors.floor.power``, ``detectors.floor.ladder[2]``,
+            ``ledger.escaped``, ``ledger.absorbed."wall -x"``; see `quantity_names`.
+
+        Raises
+        ------
+        ArgumentError
+            Where there is no such quantity, or it has many bins.
+        """
+        cell = self._scalar(name).first
+        sigma = self.tally.standard_error(cell, 1)[0] * self.compiled.unit_power
+        return Estimate(
+            watts(self.compiled, self.tally.exact(cell), self.batches),
+            float(sigma) if self.batches > 1 else None,
+            # the device counts arrivals at detectors alone
+            int(self.tally.counts(cell, 1)[0]) if cell >= self.compiled.layout.n_rows else None,
+        )
+
+    def batch_values(self, name: str) -> NDArray[np.float64]:
+        """Return what each batch gave of a scalar, in watts, shape (batches,), in order.
+
+        Their mean is the quantity's value and their standard deviation (n − 1) over √n its σ, both
+        to rounding.
+
+        Parameters
+        ----------
+        name : str
+            As `quantity` takes it.
+
+        Raises
+        ------
+        ArgumentError
+            Where there is no such quantity, or it has many bins.
+        ResultError
+            Where single batches were not kept: by earlier versions, in very long runs, and of what
+            single elements absorb where they are very many.
+        """
+        found = self.tally.batch_values.of(self._scalar(name).first)
+        if found is None:
+            raise ResultError(f"{name}: {self._why_not_kept(name)}")
+        found *= self.compiled.unit_power
+        found.flags.writeable = False
+        return found
+
+    @property
+    def quantity_names(self) -> list[str]:
+        """Names of all scalars: what the ledger has, then the detectors."""
+        return [q.name for q in scalars(self.scene, self.compiled.layout)]
+
+    def _scalar(self, name: str) -> Quantity:
+        found = quantity_of(name, self.scene, self.compiled.layout)
+        if found.bins:
+            raise ArgumentError(
+                f"{name}: found {found.bins} bins, expected a scalar: as a whole it is a target "
+                "(target_on) only; its arrays are in result.detectors and result.far_field"
+            )
+        return found
+
+    def _why_not_kept(self, name: str) -> str:
+        if self.tally.batch_values.kept:
+            return (
+                f"of more than {MOST_ABSORBING} elements what each absorbs is not kept batch by "
+                "batch; a detector on it keeps its power"
+            )
+        most = MOST_VALUES // max(len(self.tally.batch_values.cells), 1)
+        return (
+            f"single batches were not kept: that is done for up to {most} batches of this scene, "
+            "and not by earlier versions; run it with more rays a batch"
+        )
 
     @cached_property
     def achieved_sigma(self) -> float | None:

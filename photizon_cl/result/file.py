@@ -130,6 +130,9 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
             ),
         },
     )
+    if state.batch_values is not None:
+        about = {"long_name": "scalars of each batch, in launched weights"}
+        made["batch_values"] = (("batch", "scalar"), state.batch_values, about)
     if info.pilot is not None:
         made.attrs["pilot"] = info.pilot.text()
     if state.cells is not None:  # of very many cells, those that are not zero
@@ -251,6 +254,7 @@ def _read(path: Path) -> Estimates:
         **{name: arrays[name] for name in _STATE},
         digest=bytes.fromhex(attrs["digest"]),
         cells=arrays.get("cells"),
+        batch_values=arrays.get("batch_values"),
     )
     tally = Accumulator.of(compiled.layout, state)
     info = read_info(attrs, arrays, compiled.settings)

@@ -16,6 +16,7 @@ import numpy as np
 
 from hostcode.run.tally import UNIT_EXPONENT
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER
+from photizon_cl.result.batch_values import MOST_VALUES
 from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.ledger import CLOSURE_LIMIT
 from photizon_cl.result.pilot import Pilot
@@ -89,6 +90,7 @@ def check_shapes(variables: Mapping[str, Any], layout: TallyLayout, file_bytes: 
                 f"its {name} are {found.dtype} of the shape {tuple(found.shape)}, and its scene "
                 f"has {layout.n_cells} cells"
             )
+    _check_batch_values(variables, layout)
     total = 0
     for name, variable in variables.items():
         if str(name).startswith("history_") and (
@@ -99,6 +101,20 @@ def check_shapes(variables: Mapping[str, Any], layout: TallyLayout, file_bytes: 
     if total > _SMALL + _PACKED * file_bytes:
         raise ValueError(
             f"it declares {total} bytes, more than a file of {file_bytes} bytes can hold"
+        )
+
+
+def _check_batch_values(variables: Mapping[str, Any], layout: TallyLayout) -> None:
+    if "batch_values" not in variables:  # earlier versions, or too many to keep
+        return
+    found = variables["batch_values"]
+    scalars = sum(n for _, n in layout.scalars)
+    shape = tuple(map(int, found.shape))
+    fits = len(shape) == 2 and shape[1] == scalars and math.prod(shape) <= MOST_VALUES
+    if not fits or np.dtype(found.dtype) != np.dtype("f8"):
+        raise ValueError(
+            f"its batch values are {found.dtype} of the shape {shape}, and its scene has {scalars} "
+            "scalars"
         )
 
 
@@ -114,6 +130,31 @@ def integer(value: Any, name: str, most: int = MAX_RAY_NUMBER) -> int:
     if not re.fullmatch(rf"[0-9]{{1,{_DIGITS}}}", text) or int(text) > most:
         raise ValueError(f"its {name} is no number from 0 to {most}")
     return int(text)
+
+
+def _agree(tally: Accumulator) -> None:
+    """See that the values of single batches have the means and the scatter of the sums."""
+    table = tally.batch_values.table()
+    if table is None:
+        return
+    if len(table) != tally.batches:
+        raise ValueError(f"it has {len(table)} batch values of {tally.batches} batches")
+    if not np.isfinite(table).all():
+        raise ValueError("it has batch values that are no numbers")
+    if not table.size:
+        return
+    column = 0
+    for first, n in tally.batch_values.ranges:
+        part = table[:, column : column + n]
+        column += n
+        mean, scatter = tally.mean(first, n), part.std(axis=0)
+        room = _AGREES * (np.abs(mean) + scatter)
+        if not (np.abs(part.mean(axis=0) - mean) <= room).all():
+            raise ValueError("its batch values have other means than its totals")
+        if len(table) > 1:
+            error = scatter / math.sqrt(len(table) - 1)
+            if not (np.abs(error - tally.standard_error(first, n)) <= room).all():
+                raise ValueError("its batch values have another scatter than its totals")
 
 
 def _text(attrs: Mapping[str, Any], name: str, default: str | None = None) -> str:
@@ -218,6 +259,7 @@ def check_tally(
     if info.worst_closure > CLOSURE_LIMIT * compiled.emitted:
         raise ValueError("a batch of it does not close")
     n = len(state.count)
+    _agree(tally)
     if not batches:
         if state.limbs.any() or state.count.any() or state.mean.any() or state.m2.any():
             raise ValueError("it has totals and no batches")

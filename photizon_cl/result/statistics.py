@@ -25,6 +25,7 @@ from hostcode.run.tally import (
     whole_of,
 )
 from photizon_cl.errors import RunError
+from photizon_cl.result.batch_values import BatchValues
 from photizon_cl.result.sums import TOTAL_LIMBS, DenseSums, SparseSums, Sums, welford
 
 if TYPE_CHECKING:
@@ -124,6 +125,8 @@ class AccumulatorState:
         The chained SHA-256, 32 bytes.
     cells : ndarray, shape (m,), int64, or None
         The only cells that have rows above where they are not all, ascending; all others are zero.
+    batch_values : ndarray, shape (batches, k), float64, or None
+        What single cells gave in each batch, in launched weights; None where that is not known.
     """
 
     batches: int
@@ -133,6 +136,7 @@ class AccumulatorState:
     m2: NDArray[np.float64]
     digest: bytes
     cells: NDArray[np.int64] | None = None
+    batch_values: NDArray[np.float64] | None = None
 
 
 class Accumulator:
@@ -148,6 +152,8 @@ class Accumulator:
     counted_in : tuple of (int, int), optional
         The last cell, which only counts, and the cell in whose unused count the digest has it: the
         digest is the same as of versions in which it had no row of its own.
+    scalars : tuple of (int, int), optional
+        First and number of cells whose values are kept batch by batch.
     """
 
     def __init__(
@@ -155,8 +161,10 @@ class Accumulator:
         n_cells: int,
         differences: Sequence[tuple[int, int]] = (),
         counted_in: tuple[int, int] | None = None,
+        scalars: tuple[tuple[int, int], ...] = (),
     ) -> None:
         self.n_cells = n_cells
+        self.batch_values = BatchValues(scalars)
         self.differences = tuple(differences)
         self.counted_in = counted_in
         self.batches = 0
@@ -193,6 +201,7 @@ class Accumulator:
         self._digest = chain.digest()
         self.batches += 1
         self._sums.add(cells, self.batches)
+        self.batch_values.add(cells)
         if self.differences:
             x = self._batch_differences(cells)
             welford(self._difference_mean, self._difference_m2, x, self.batches)
@@ -229,6 +238,7 @@ class Accumulator:
         made = Accumulator(0, self.differences, self.counted_in)
         made.n_cells, made.batches, made._digest = self.n_cells, self.batches, self._digest
         made._sums = self._sums.copy()
+        made.batch_values = self.batch_values.copy()
         made._difference_mean = self._difference_mean.copy()
         made._difference_m2 = self._difference_m2.copy()
         return made
@@ -239,7 +249,8 @@ class Accumulator:
         if self.differences:
             mean = np.concatenate([mean, self._difference_mean])
             m2 = np.concatenate([m2, self._difference_m2])
-        return AccumulatorState(self.batches, limbs, count, mean, m2, self._digest, cells)
+        kept = self.batch_values.table()
+        return AccumulatorState(self.batches, limbs, count, mean, m2, self._digest, cells, kept)
 
     @property
     def held_bytes(self) -> int:
@@ -260,14 +271,14 @@ class Accumulator:
         balance = [(layout.killed, layout.boosted)]
         counted_in = (layout.interactions, layout.depth_capped)
         if state is None:
-            return cls(layout.n_cells, balance, counted_in)
+            return cls(layout.n_cells, balance, counted_in, layout.scalars)
         if state.cells is not None:
-            return cls.restore(state, balance, counted_in, layout.n_cells)
+            return cls.restore(state, balance, counted_in, layout.n_cells, layout.scalars)
         if len(state.count) == layout.n_cells - 1:
             state = _with_interactions(state, *counted_in)
         if len(state.count) != layout.n_cells:
             raise ValueError(f"{len(state.count)} cells, and its scene has {layout.n_cells}")
-        return cls.restore(state, balance, counted_in)
+        return cls.restore(state, balance, counted_in, scalars=layout.scalars)
 
     @classmethod
     def restore(
@@ -276,6 +287,7 @@ class Accumulator:
         differences: Sequence[tuple[int, int]] = (),
         counted_in: tuple[int, int] | None = None,
         n_cells: int | None = None,
+        scalars: tuple[tuple[int, int], ...] = (),
     ) -> Accumulator:
         """Return an accumulator that goes on where `state` was taken.
 
@@ -286,7 +298,7 @@ class Accumulator:
         """
         m, nd = len(state.count), len(differences)
         n = m if n_cells is None else n_cells
-        made = cls(n, differences, counted_in)
+        made = cls(n, differences, counted_in, scalars)
         wanted = [(m, TOTAL_LIMBS), (m,), (m + nd,), (m + nd,)]
         found = [a.shape for a in (state.limbs, state.count, state.mean, state.m2)]
         if found != wanted or len(state.digest) != 32 or state.batches < 0:
@@ -299,6 +311,7 @@ class Accumulator:
         rows = (state.limbs, state.count, state.mean[:m], state.m2[:m])
         made._sums = type(made._sums).of(n, cells, rows)
         made.batches = int(state.batches)
+        made.batch_values.restore(state.batch_values)
         made._difference_mean[...] = state.mean[m:]
         made._difference_m2[...] = state.m2[m:]
         made._digest = bytes(state.digest)
@@ -384,4 +397,5 @@ def _with_interactions(state: AccumulatorState, last: int, counted_in: int) -> A
         np.insert(state.mean, last, 0.0),
         np.insert(state.m2, last, 0.0),
         state.digest,
+        batch_values=state.batch_values,
     )

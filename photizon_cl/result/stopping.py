@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 if TYPE_CHECKING:
-    from photizon_cl.compile.layout import TallyLayout
+    from photizon_cl.compile.layout import Quantity, TallyLayout
     from photizon_cl.result.statistics import Accumulator
 
-__all__ = ["LEAST_BATCHES", "Goal", "History", "achieved_sigma"]
+__all__ = ["LEAST_BATCHES", "Goal", "History", "achieved_sigma", "relative_sigma"]
 
 LEAST_BATCHES: Final = 8
 """Batches before a target can be met: a standard error from fewer is itself too uncertain."""
@@ -51,7 +51,8 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
 
     Over the bins with at least 10 arrivals of all maps together; without a map, over the
     detectors' totals; without a detector, over the absorbed rows and the escaped row. Totals and
-    rows that are zero have no relative error and are left out.
+    rows that are zero have no relative error and are left out. Where a run names quantities that
+    must each meet its target, the largest of their relative standard errors.
 
     Returns
     -------
@@ -60,6 +61,9 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
     """
     if tally.batches < 2:
         return None
+    if layout.watched:
+        errors = [relative_sigma(quantity, tally) for quantity in layout.watched]
+        return None if None in errors else max(e for e in errors if e is not None)
     maps = [(d.map, d.nx * d.ny) for d in layout.detectors if d.nx]
     if maps:
         found = [tally.well_counted(*r) for r in maps]
@@ -68,6 +72,24 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
         found = [(tally.mean(*r), tally.standard_error(*r)) for r in ranges]
     mean = np.concatenate([mean for mean, _ in found])
     error = np.concatenate([error for _, error in found])
+    known = mean > 0.0
+    return float(np.median(error[known] / mean[known])) if known.any() else None
+
+
+def relative_sigma(quantity: Quantity, tally: Accumulator) -> float | None:
+    """Return a quantity's relative standard error; of bins the median over those that are lit.
+
+    Returns
+    -------
+    float or None
+        None with a single batch, or where nothing arrived.
+    """
+    if tally.batches < 2:
+        return None
+    if quantity.bins:
+        mean, error = tally.well_counted(quantity.first, quantity.bins)
+    else:
+        mean, error = tally.mean(quantity.first, 1), tally.standard_error(quantity.first, 1)
     known = mean > 0.0
     return float(np.median(error[known] / mean[known])) if known.any() else None
 

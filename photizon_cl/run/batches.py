@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from hostcode.run.tally import whole_of
 from hostcode.run.usual import usual_plan
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER, CompiledScene
+from photizon_cl.compile.quantities import watched
 from photizon_cl.errors import (
     ArgumentError,
     NoRoomError,
@@ -35,7 +36,7 @@ from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
     from hostcode.device.device import DeviceRecord
@@ -51,6 +52,7 @@ def refine(
     result: _E,
     *,
     target: float | None = None,
+    target_on: Sequence[str] | None = None,
     batches: int | None = None,
     max_seconds: float | None = None,
     device: DeviceRecord | str | int | None = None,
@@ -60,17 +62,23 @@ def refine(
     checkpoint: str | os.PathLike[str] | None = None,
 ) -> _E:
     """Add batches to the stream of a result, see `photizon_cl.Result.refine`."""
-    if target is None and batches is None:
+    if target is None and target_on is None and batches is None:
         goal = result.info.goal
         if max_seconds is not None:
             _check_seconds(result.scene, max_seconds)
             goal = dataclasses.replace(goal, max_seconds=max_seconds)
         compiled = result.compiled
     else:
-        as_run = with_settings(result.scene, target_sigma=target, max_seconds=max_seconds)
+        as_run = with_settings(
+            result.scene, target_sigma=target, target_on=target_on, max_seconds=max_seconds
+        )
         goal = goal_of(as_run, batches, target, max_seconds)
         # The stream does not depend on when it stops: the tables stay what they are.
-        compiled = dataclasses.replace(result.compiled, scene=as_run, settings=as_run.run)
+        layout = result.compiled.layout
+        layout = dataclasses.replace(layout, watched=watched(as_run, layout, as_run.run.target_on))
+        compiled = dataclasses.replace(
+            result.compiled, scene=as_run, settings=as_run.run, layout=layout
+        )
     if goal.batches is not None and goal.batches < result.batches:
         raise ArgumentError(
             f"batches: found {goal.batches}, expected at least the {result.batches} that the "

@@ -121,6 +121,7 @@ class Result(Estimates):
         self,
         *,
         target: float | None = None,
+        target_on: Sequence[str] | None = None,
         batches: int | None = None,
         max_seconds: float | None = None,
         device: DeviceRecord | str | int | None = None,
@@ -137,6 +138,8 @@ class Result(Estimates):
         ----------
         target : float, optional
             Relative standard error to reach.
+        target_on : sequence of str, optional
+            Quantities that must each meet it; default those that the run had.
         batches : int, optional
             Batches in all, the ones that are there included. Without either, the goal that the run
             had holds.
@@ -157,6 +160,7 @@ class Result(Estimates):
         return refine(
             self,
             target=target,
+            target_on=target_on,
             batches=batches,
             max_seconds=max_seconds,
             device=device,

@@ -15,7 +15,7 @@ from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
     from concurrent.futures import Executor
 
     from hostcode.device.device import DeviceRecord
@@ -34,6 +34,7 @@ def trace(
     *,
     seed: int | None = None,
     target: float | None = None,
+    target_on: Sequence[str] | None = None,
     batches: int | None = None,
     max_seconds: float | None = None,
     rays_per_batch: int | None = None,
@@ -61,6 +62,9 @@ def trace(
         The random stream; default those of the scene's ``[run]``.
     target : float, optional
         Median relative standard error to reach, in (0, 1]; see the summary's ``achieved_sigma``.
+    target_on : sequence of str, optional
+        Quantities that must each meet the target, ``["detectors.floor.power"]``; default the
+        scene's, and without any the median over its maps, detectors or rows.
     batches : int, optional
         Batches in all.
     max_seconds : float, optional
@@ -112,6 +116,7 @@ def trace(
         load(scene),
         seed=seed,
         target_sigma=target,
+        target_on=target_on,
         max_seconds=max_seconds,
         rays_per_batch=rays_per_batch,
     )
@@ -131,6 +136,7 @@ def resume(
     path: str | os.PathLike[str],
     *,
     target: float | None = None,
+    target_on: Sequence[str] | None = None,
     batches: int | None = None,
     max_seconds: float | None = None,
     device: DeviceRecord | str | int | None = None,
@@ -151,7 +157,7 @@ def resume(
         Relative standard error to reach.
     batches : int, optional
         Batches in all. Without either, the goal that the run had holds.
-    max_seconds, device, progress, executor, plan : optional
+    target_on, max_seconds, device, progress, executor, plan : optional
         As in `trace`.
 
     Raises
@@ -162,6 +168,7 @@ def resume(
         As in `trace`.
     """
     return refine(
-        Result.of(latest(path)), target=target, batches=batches, max_seconds=max_seconds,
+        Result.of(latest(path)), target=target, target_on=target_on, batches=batches,
+        max_seconds=max_seconds,
         device=device, progress=progress, executor=executor, plan=plan, checkpoint=path,
     )  # fmt: skip

@@ -28,7 +28,7 @@ __all__ = ["SCHEMA", "FarField", "RunSettings", "Scene", "between_objects", "sam
 _LABELS: Final = ("name", "title", "notes")
 _FLOOR: Final = 1e-9
 """The automatic roulette floor where rays split."""
-_WHEN_TO_STOP: Final = ("target_sigma", "max_seconds")
+_WHEN_TO_STOP: Final = ("target_sigma", "target_on", "max_seconds")
 _NO_ELEMENTS: Final[Any] = ()
 
 
@@ -167,8 +167,8 @@ class Scene(Described):
 
         Included: every source and element with its name, in file order, the far-field bins, and
         of ``[run]`` seed, rays_per_batch, generation_cap, roulette_floor and the effects that it
-        asks for. Left out: name, title, notes, and target_sigma and max_seconds, which only decide
-        when to stop. Defaults count as written out, an
+        asks for. Left out: name, title, notes, and target_sigma, target_on and max_seconds, which
+        only decide when to stop. Defaults count as written out, an
         automatic floor as the number that it is; floats enter by their exact hexadecimal value.
         """
         table = {k: v for k, v in self.to_dict().items() if k not in _LABELS}

@@ -20,13 +20,14 @@ from photizon_cl.scene.reader import KINDS
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["put_values", "read_assignment"]
+__all__ = ["path_parts", "put_values", "quoted", "read_assignment"]
 
 _PART: Final = re.compile(
     r"""\s*(?: "(?:[^"\\]|\\.)*" | '[^']*' | \[\s*\d{1,9}\s*\]
     | [^\s."'\[\]=]+(?:\ +[^\s."'\[\]=]+)* )\s*""",
     re.VERBOSE,
 )
+_BARE: Final = re.compile(r"""[^\s."'\[\]=\\]+""")
 _LONGEST: Final = 1000  # characters of a path: a name has 64
 _FORM: Final = "a path such as element.NAME.surface.KEY, source.NAME.KEY[0] or run.KEY"
 
@@ -89,11 +90,11 @@ def put_values(scene: type[Described], tables: dict[str, Any], changes: Mapping[
         Where a path leads nowhere. Values and the last key are for the reader to judge.
     """
     # a name last: other paths have the one that the object has so far
-    for path in sorted(changes, key=lambda path: _parts(path)[-1] == "name"):
+    for path in sorted(changes, key=lambda path: path_parts(path)[-1] == "name"):
         _Way(path, scene, tables).put(changes[path])
 
 
-def _parts(path: str) -> list[str | int]:
+def path_parts(path: str) -> list[str | int]:
     """Return keys as text and places in brackets as numbers."""
     if not isinstance(path, str):
         raise ArgumentError(f"path: found {show(path)}, expected {_FORM}")
@@ -117,6 +118,14 @@ def _parts(path: str) -> list[str | int]:
     raise ArgumentError(f"{show(path)}: found no parameter's path, expected {_FORM}")
 
 
+def quoted(name: str) -> str:
+    """Return a name as it stands in a path: in quotes where it needs them."""
+    if _BARE.fullmatch(name):
+        return name
+    inner = name.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{inner}"'
+
+
 def _unquoted(word: str, path: str) -> str:
     if word[0] not in "\"'":
         return word
@@ -130,7 +139,7 @@ class _Way:
     """The way along a path, from a scene's tables to the place that it names."""
 
     def __init__(self, path: str, scene: type[Described], tables: dict[str, Any]) -> None:
-        self.path, self.parts = path, _parts(path)
+        self.path, self.parts = path, path_parts(path)
         self.cls: type[Described] | None = scene
         self.tables = tables
 

@@ -30,6 +30,9 @@ class RunSettings(Described):
         Rays launched in a batch, 1 … 2^24.
     target_sigma : float
         Median relative standard error at which a run stops, in (0, 1].
+    target_on : tuple of str, optional
+        Quantities that must each meet the target, for example ``detectors.floor.power``; default
+        the median over maps, detectors or rows, see the summary's ``achieved_sigma``.
     max_seconds : float
         Time at which a run stops, in (0, 1e9] seconds.
     generation_cap : int
@@ -69,6 +72,9 @@ class RunSettings(Described):
         metadata=fraction_or(
             "auto", "relative weight below which roulette is played", "0 switches it off"
         ),
+    )
+    target_on: Accepts[Sequence[str] | None, tuple[str, ...] | None] = field(
+        default=ABSENT, metadata=words("quantities that must each meet the target")
     )
     effects: Accepts[Sequence[str] | None, tuple[str, ...] | None] = field(
         default=ABSENT, metadata=words("effects compiled in although nothing else calls for them")

@@ -1,0 +1,90 @@
+"""The verb ``compare``: two runs side by side."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from photizon_cl.cli.arguments import DIRECTORY, JSON
+from photizon_cl.errors import ArgumentError, printable
+
+if TYPE_CHECKING:
+    import argparse
+
+    from rich.console import Console
+
+    from photizon_cl.result.comparison import Comparison, Difference
+
+__all__ = ["add_arguments", "call"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the verb takes."""
+    parser.add_argument("first", metavar="DIR", help=DIRECTORY)
+    parser.add_argument("second", metavar="DIR", help="the one that is compared with it")
+    parser.add_argument("--json", action="store_true", help=JSON)
+
+
+def call(arguments: argparse.Namespace) -> int:
+    """Compare two saved results; return the exit status."""
+    for folder in (arguments.first, arguments.second):
+        if not folder:
+            raise ArgumentError("DIR: found nothing, expected a directory")
+    from photizon_cl.cli.tables import console
+    from photizon_cl.run.comparing import compare
+
+    found = compare(arguments.first, arguments.second)
+    if arguments.json:
+        print(json.dumps(found.summary(), indent=2, ensure_ascii=True, allow_nan=False))
+        return 0
+    _print(found, arguments.first, arguments.second, console())
+    return 0
+
+
+def _print(found: Comparison, first: str, second: str, out: Console) -> None:
+    from rich.text import Text
+
+    from photizon_cl.cli.tables import heading, paragraph, print_table, table
+    from photizon_cl.result.text import batches, with_error
+
+    out.print(heading(f"{printable(second)} against {printable(first)}"))
+    how = (
+        f"paired over {batches(found.batches)}, since {found.why}: what they have in common cancels"
+        if found.batches
+        else f"errors added in quadrature, since {found.why}"
+    )
+    out.print(paragraph(how, ""), soft_wrap=True)
+    out.print()
+    rows = table(
+        ("quantity, W", "left"), ("first", "right"), ("second", "right"),
+        ("difference", "right"), ("± σ", "right"), ("ratio", "right"), ("± σ", "right"),
+    )  # fmt: skip
+    silent = 0
+    for row in found:
+        if not row.a.value and not row.b.value:
+            silent += 1
+            continue
+        alone = found.batches and not row.paired
+        rows.add_row(
+            Text(row.name + (" *" if alone else "")),
+            with_error(row.a.value, row.a.sigma)[0],
+            with_error(row.b.value, row.b.sigma)[0],
+            *with_error(row.difference, row.sigma),
+            *_ratio(row),
+        )
+    print_table(rows, out)
+    if any(not row.paired for row in found) and found.batches:
+        text = "* of single elements of very many no batches are kept: added in quadrature"
+        out.print(paragraph(text, ""), soft_wrap=True)
+    if silent:
+        out.print(paragraph(f"{silent} more are 0 in both", ""), soft_wrap=True)
+    for folder, names in ((first, found.only_a), (second, found.only_b)):
+        if names:
+            listed = ", ".join(names[:12]) + (f" and {len(names) - 12} more" * (len(names) > 12))
+            out.print(paragraph(f"only in {printable(folder)}: {listed}", ""), soft_wrap=True)
+
+
+def _ratio(row: Difference) -> tuple[str, str]:
+    from photizon_cl.result.text import with_error
+
+    return ("", "") if row.ratio is None else with_error(row.ratio, row.ratio_sigma)

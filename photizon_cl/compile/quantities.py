@@ -1,0 +1,165 @@
+"""Quantities by name: what ``target_on``, comparisons and sweeps ask for.
+
+``ledger.escaped``, ``ledger.depth_capped``, ``ledger.roulette.killed`` and ``.boosted``, other rows
+that effects bring by their names, ``ledger.absorbed.NAME``, ``detectors.NAME.power`` and
+``detectors.NAME.ladder[g]`` are scalars: one cell of the tally. ``detectors.NAME.map`` and
+``far_field`` are many bins; as a target they stand for the median over those that are lit. Names
+are quoted where they need it, as in TOML: ``ledger.absorbed."wall -x"``.
+"""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING, Final
+
+from photizon_cl.compile.layout import Quantity
+from photizon_cl.errors import ArgumentError, Problem, SceneError, show
+from photizon_cl.scene.names import unknown_name
+from photizon_cl.scene.parameter_paths import path_parts, quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from photizon_cl.compile.layout import DetectorCells, TallyLayout
+    from photizon_cl.scene.model import Scene
+
+__all__ = ["quantity_of", "scalars", "watched"]
+
+_ROWS: Final = {
+    "escaped": "escaped",
+    "capped": "depth_capped",
+    "killed": "roulette.killed",
+    "boosted": "roulette.boosted",
+}
+"""Quantities of the rows that every ledger has; others go by their own names."""
+_FORM: Final = (
+    "a quantity such as detectors.NAME.power, detectors.NAME.ladder[2], detectors.NAME.map, "
+    "far_field, ledger.escaped or ledger.absorbed.NAME"
+)
+
+
+def scalars(scene: Scene, layout: TallyLayout) -> Iterator[Quantity]:
+    """Give every quantity that is one cell: the ledger, then the detectors."""
+    for n, element in enumerate(scene.element):
+        yield Quantity(f"ledger.absorbed.{quoted(element.name)}", n)
+    for name, cell in _rows(layout).items():
+        yield Quantity(f"ledger.{name}", cell)
+    for d in layout.detectors:
+        name = f"detectors.{quoted(scene.element[d.element].name)}"
+        yield Quantity(f"{name}.power", d.power)
+        for g in range(d.n_generations):
+            yield Quantity(f"{name}.ladder[{g}]", d.ladder + g)
+
+
+def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
+    """Return the quantity of a name.
+
+    Parameters
+    ----------
+    name : str
+        With or without quotes where they are not needed.
+    scene, layout : Scene, TallyLayout
+        Whose quantities.
+
+    Raises
+    ------
+    ArgumentError
+        Where the name is none.
+    UnknownNameError
+        Where the scene has nothing of that name.
+    """
+    if not isinstance(name, str):
+        raise ArgumentError(f"quantity: found {show(name)}, expected {_FORM}")
+    try:
+        parts = path_parts(name)
+    except ArgumentError:
+        parts = []
+    if parts == ["far_field"]:
+        if not layout.n_mu:
+            raise ArgumentError(
+                f"{name}: found no far field in the scene, expected one: [far_field] adds it"
+            )
+        return Quantity("far_field", layout.far_field, layout.n_mu * layout.n_phi)
+    if parts[:2] == ["ledger", "absorbed"] and len(parts) == 3:
+        n = _element(str(parts[2]), scene, list(scene.element.names), "ledger.absorbed")
+        return Quantity(f"ledger.absorbed.{quoted(scene.element[n].name)}", n)
+    if parts[:1] == ["ledger"]:
+        rows = _rows(layout)
+        row = ".".join(map(str, parts[1:]))
+        if row not in rows:
+            raise unknown_name("ledger", row, [*rows, "absorbed.NAME"])
+        return Quantity(f"ledger.{row}", rows[row])
+    if parts[:1] == ["detectors"] and len(parts) > 2:
+        return _of_detector(name, parts, scene, layout)
+    near = difflib.get_close_matches(name, [q.name for q in _some(scene, layout)], 1)
+    hint = f" (did you mean {near[0]}?)" if near else ""
+    raise ArgumentError(f"quantity: found {show(name)}, expected {_FORM}{hint}")
+
+
+def watched(scene: Scene, layout: TallyLayout, names: Sequence[str] | None) -> tuple[Quantity, ...]:
+    """Return the quantities that a run's settings name as its target.
+
+    Raises
+    ------
+    SceneError
+        Where one is none, with every one that is.
+    """
+    problems, found = [], []
+    for name in names or ():
+        try:
+            found.append(quantity_of(name, scene, layout))
+        except ArgumentError as error:
+            expected = str(error).partition(", expected ")[2]
+            problems.append(Problem("run.target_on", show(name), expected))
+    if problems:
+        raise SceneError(problems)
+    return tuple(found)
+
+
+def _some(scene: Scene, layout: TallyLayout) -> Iterator[Quantity]:
+    """Give the scalars of a scene that is not large, for a hint."""
+    if layout.n_elements <= 1000:
+        yield from scalars(scene, layout)
+
+
+def _rows(layout: TallyLayout) -> dict[str, int]:
+    """Return the cells of the ledger's rows, but those of single elements, by name."""
+    return {
+        _ROWS.get(row.name, row.name): layout.n_elements + n for n, row in enumerate(layout.rows)
+    }
+
+
+def _element(name: str, scene: Scene, names: list[str], what: str) -> int:
+    if name not in names:
+        raise unknown_name(what, name, names)
+    return list(scene.element.names).index(name)
+
+
+def _of_detector(name: str, parts: list[str | int], scene: Scene, layout: TallyLayout) -> Quantity:
+    by_name = {scene.element[d.element].name: d for d in layout.detectors}
+    n = _element(str(parts[1]), scene, list(by_name), "detectors")
+    d = by_name[scene.element[n].name]
+    stem = f"detectors.{quoted(scene.element[n].name)}"
+    if parts[2:] == ["power"]:
+        return Quantity(f"{stem}.power", d.power)
+    if parts[2:] == ["map"]:
+        if not d.nx:
+            raise ArgumentError(
+                f"{name}: found no map on that detector, expected one: map = [nx, ny] adds it"
+            )
+        return Quantity(f"{stem}.map", d.map, d.nx * d.ny)
+    if len(parts) == 4 and parts[2] == "ladder" and isinstance(parts[3], int):
+        _check_generation(name, parts[3], d)
+        return Quantity(f"{stem}.ladder[{parts[3]}]", d.ladder + parts[3])
+    raise ArgumentError(f"quantity: found {show(name)}, expected {stem}.power, .ladder[g] or .map")
+
+
+def _check_generation(name: str, generation: int, d: DetectorCells) -> None:
+    if not d.n_generations:
+        raise ArgumentError(
+            f"{name}: found no ladder on that detector, expected one: generations = N adds it"
+        )
+    if generation >= d.n_generations:
+        raise ArgumentError(
+            f"{name}: found generation {generation}, expected one below {d.n_generations}"
+        )

@@ -1,0 +1,211 @@
+"""Two runs side by side: differences and ratios of every quantity, with their standard errors.
+
+Two runs of the same seed and rays per batch launch the same random numbers: ray n of one and ray n
+of the other start alike and part where the scenes differ. What they have in common cancels in the
+difference of a batch and its counterpart (common random numbers; Glasserman, Monte Carlo Methods in
+Financial Engineering, 2003, § 4.3 and 7.1), so the scatter of those differences is what the
+difference is known by. Of other runs the errors are independent and add in quadrature.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from photizon_cl.compile.quantities import scalars
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from photizon_cl.result.estimates import Estimates
+    from photizon_cl.result.ledger import Estimate
+
+    _Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+__all__ = ["COMPARISON_SCHEMA", "Comparison", "Difference", "compared"]
+
+COMPARISON_SCHEMA: Final = "photizon-comparison/1"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A quantity of two runs, `b` against `a`.
+
+    Parameters
+    ----------
+    name : str
+        The quantity's.
+    a, b : Estimate
+        What each run says, of all its batches; in watts.
+    difference : float
+        b − a in watts. Paired, of the batches that both have.
+    sigma : float or None
+        Its standard error; None where fewer than two batches tell.
+    ratio : float or None
+        b/a; None where a is 0. Paired, of the batches that both have.
+    ratio_sigma : float or None
+        Its standard error, to first order in the errors of both.
+    paired : bool
+        Whether batch was held against batch; else the errors were added in quadrature.
+    """
+
+    name: str
+    a: Estimate
+    b: Estimate
+    difference: float
+    sigma: float | None
+    ratio: float | None
+    ratio_sigma: float | None
+    paired: bool
+
+    def summary(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        return {
+            "name": self.name,
+            "a": self.a.summary(),
+            "b": self.b.summary(),
+            "difference": self.difference,
+            "sigma": self.sigma,
+            "ratio": self.ratio,
+            "ratio_sigma": self.ratio_sigma,
+            "paired": self.paired,
+        }
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Every quantity that two runs have in common.
+
+    Iterating gives a `Difference` for each; ``comparison["detectors.floor.power"]`` gives one.
+
+    Parameters
+    ----------
+    a, b : str
+        Names of the scenes.
+    rows : tuple of Difference
+        In the order of the first run.
+    only_a, only_b : tuple of str
+        Quantities that one run alone has.
+    batches : int
+        Batches that were held against each other; 0 where none were.
+    why : str
+        Why batches were paired, or were not.
+    """
+
+    a: str
+    b: str
+    rows: tuple[Difference, ...]
+    only_a: tuple[str, ...]
+    only_b: tuple[str, ...]
+    batches: int
+    why: str
+
+    def __iter__(self) -> Iterator[Difference]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, name: str) -> Difference:
+        from photizon_cl.scene.names import unknown_name
+
+        found = next((row for row in self.rows if row.name == name), None)
+        if found is None:
+            raise unknown_name("comparison", name, [row.name for row in self.rows])
+        return found
+
+    def summary(self) -> dict[str, Any]:
+        """Return the comparison as plain values that JSON can hold."""
+        return {
+            "schema": COMPARISON_SCHEMA,
+            "a": self.a,
+            "b": self.b,
+            "paired_batches": self.batches,
+            "why": self.why,
+            "quantities": [row.summary() for row in self.rows],
+            "only_a": list(self.only_a),
+            "only_b": list(self.only_b),
+        }
+
+
+def compared(a: Estimates, b: Estimates) -> Comparison:
+    """Compare two runs, the second against the first.
+
+    Parameters
+    ----------
+    a, b : Estimates
+        At least one batch each.
+    """
+    of_a, of_b = ({q.name: q for q in scalars(r.scene, r.compiled.layout)} for r in (a, b))
+    common, why = _pairs(a, b)
+    rows = []
+    for name in of_a:
+        if name not in of_b:
+            continue
+        both = None
+        if common:
+            x = a.tally.batch_values.of(of_a[name].first)
+            y = b.tally.batch_values.of(of_b[name].first)
+            if x is not None and y is not None:
+                both = (
+                    x[:common] * a.compiled.unit_power,
+                    y[:common] * b.compiled.unit_power,
+                )
+        rows.append(_row(name, a.quantity(name), b.quantity(name), both))
+    return Comparison(
+        a.scene.name,
+        b.scene.name,
+        tuple(rows),
+        tuple(name for name in of_a if name not in of_b),
+        tuple(name for name in of_b if name not in of_a),
+        common,
+        why,
+    )
+
+
+def _pairs(a: Estimates, b: Estimates) -> tuple[int, str]:
+    """Return how many batches pair, and why, or why none do."""
+    one, other = a.scene.run, b.scene.run
+    if one.seed != other.seed:
+        return 0, f"the seeds differ ({one.seed} and {other.seed})"
+    if one.rays_per_batch != other.rays_per_batch:
+        return 0, f"the rays per batch differ ({one.rays_per_batch} and {other.rays_per_batch})"
+    if not (a.tally.batch_values.kept and b.tally.batch_values.kept):
+        return 0, "single batches were not kept, as in very long runs and by earlier versions"
+    n = min(a.batches, b.batches)
+    if n < 2:
+        return 0, "a single batch has no scatter"
+    return n, f"both have the seed {one.seed} and {one.rays_per_batch} rays per batch"
+
+
+def _row(
+    name: str,
+    a: Estimate,
+    b: Estimate,
+    both: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
+) -> Difference:
+    if both is None:
+        known = a.sigma is not None and b.sigma is not None
+        sigma = math.hypot(a.sigma or 0.0, b.sigma or 0.0) if known else None
+        ratio = b.value / a.value if a.value else None
+        ratio_sigma = None
+        if known and ratio is not None:
+            ratio_sigma = math.hypot(b.sigma or 0.0, ratio * (a.sigma or 0.0)) / abs(a.value)
+        return Difference(name, a, b, b.value - a.value, sigma, ratio, ratio_sigma, paired=False)
+    x, y = both
+    base = float(x.mean())
+    ratio = float(y.mean()) / base if base else None
+    ratio_sigma = None if ratio is None else _error(y - ratio * x) / abs(base)
+    apart = y - x
+    return Difference(
+        name, a, b, float(apart.mean()), _error(apart), ratio, ratio_sigma, paired=True
+    )
+
+
+def _error(values: NDArray[np.float64]) -> float:
+    """Return the standard error of the mean of at least two numbers."""
+    return float(values.std(ddof=1)) / math.sqrt(len(values))
