@@ -31,6 +31,7 @@ def run_advisories(result: Estimates) -> list[str]:
     return [
         *_short(result),
         *_left_behind(result),
+        *_unbelievable(result),
         *_missed(result),
         *_dark_detectors(result),
         *_capped(result),
@@ -88,6 +89,26 @@ def _left_behind(result: Estimates) -> Iterator[str]:
                 f"{show(name)} is known to {100.0 * relative:.2g} % alone: name what must meet it, "
                 f"target_on = ['detectors.{quoted(name)}.power']"
             )
+
+
+def _unbelievable(result: Estimates) -> Iterator[str]:
+    """Find errors that the batches give no reason to believe, of what the run is about.
+
+    Where its target was met, any check that fails is told.
+    """
+    if result.batches < LEAST_BATCHES:  # which is told
+        return
+    met = result.converged and result.info.goal.target is not None
+    watched = result.scene.run.target_on or [
+        f"detectors.{quoted(name)}.power" for name in result.detectors
+    ]
+    for name in watched:
+        if result.is_scalar(name):
+            quantity, checks = result.quantity(name), result.quantity(name).checks
+            if checks is None:
+                continue
+            if not (checks.believable and (not met or all(checks.good.values()))):
+                yield f"the σ of {quantity.name}, {quantity} W, {checks.reason()}"
 
 
 def _missed(result: Estimates) -> Iterator[str]:

@@ -36,6 +36,7 @@ class BatchValues:
             else np.empty(0, np.int64)
         )
         self._rows: list[NDArray[np.float64]] | None = []
+        self._whole = np.empty((0, len(self.cells)))
 
     @property
     def kept(self) -> bool:
@@ -59,7 +60,7 @@ class BatchValues:
     def copy(self) -> BatchValues:
         """Return an independent copy."""
         made = BatchValues(())
-        made.ranges, made.cells = self.ranges, self.cells
+        made.ranges, made.cells, made._whole = self.ranges, self.cells, self._whole
         made._rows = None if self._rows is None else list(self._rows)
         return made
 
@@ -67,7 +68,10 @@ class BatchValues:
         """Return all, shape (batches, cells); None where they are not kept."""
         if self._rows is None:
             return None
-        return np.array(self._rows).reshape(len(self._rows), len(self.cells))
+        if len(self._whole) < len(self._rows):
+            self._whole = np.array(self._rows).reshape(len(self._rows), len(self.cells))
+            self._whole.flags.writeable = False
+        return self._whole
 
     def restore(self, table: NDArray[np.float64] | None) -> None:
         """Go on from what `table` gave.
@@ -86,9 +90,10 @@ class BatchValues:
 
     def of(self, cell: int) -> NDArray[np.float64] | None:
         """Return what a cell gave in each batch, shape (batches,); None where it is not kept."""
-        if self._rows is None:
+        table = self.table()
+        if table is None:
             return None
         column = int(np.searchsorted(self.cells, cell))
         if column == len(self.cells) or self.cells[column] != cell:
             return None
-        return np.array([row[column] for row in self._rows])
+        return table[:, column].copy()

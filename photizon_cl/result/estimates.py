@@ -19,8 +19,9 @@ from photizon_cl.compile.quantities import quantity_of, scalars
 from photizon_cl.errors import ArgumentError, ResultError
 from photizon_cl.result.advisories import run_advisories
 from photizon_cl.result.batch_values import MOST_VALUES
+from photizon_cl.result.checks import Checks, Scalar
 from photizon_cl.result.engine import engine_digest
-from photizon_cl.result.ledger import Estimate, Ledger, watts
+from photizon_cl.result.ledger import Ledger, watts
 from photizon_cl.result.maps import DetectorResult, FarFieldResult
 from photizon_cl.result.stopping import Goal, achieved_sigma
 from photizon_cl.result.tallies import EffectTally, effect_tallies
@@ -170,8 +171,8 @@ class Estimates:
 
     # -- by name -------------------------------------------------------------------------------
 
-    def quantity(self, name: str) -> Estimate:
-        """Return a scalar by its name: value, σ and count.
+    def quantity(self, name: str) -> Scalar:
+        """Return a scalar by its name: value, σ, count, and the checks of that σ.
 
         Parameters
         ----------
@@ -184,14 +185,31 @@ class Estimates:
         ArgumentError
             Where there is no such quantity, or it has many bins.
         """
-        cell = self._scalar(name).first
+        found = self._scalar(name)
+        cell = found.first
         sigma = self.tally.standard_error(cell, 1)[0] * self.compiled.unit_power
-        return Estimate(
+        return Scalar.of(
+            found.name,
+            self._checks.get(found.name),
             watts(self.compiled, self.tally.exact(cell), self.batches),
             float(sigma) if self.batches > 1 else None,
             # the device counts arrivals at detectors alone
             int(self.tally.counts(cell, 1)[0]) if cell >= self.compiled.layout.n_rows else None,
         )
+
+    @cached_property
+    def _checks(self) -> dict[str, Checks]:
+        """Checks of every scalar that has some, by name."""
+        layout, kept, found = self.compiled.layout, self.tally.batch_values, {}
+        for quantity in scalars(self.scene, layout):
+            values = kept.of(quantity.first)
+            if values is not None:
+                counted = quantity.first >= layout.n_rows
+                count = int(self.tally.counts(quantity.first, 1)[0]) if counted else None
+                checks = Checks.of(values, count)
+                if checks is not None:
+                    found[quantity.name] = checks
+        return found
 
     def batch_values(self, name: str) -> NDArray[np.float64]:
         """Return what each batch gave of a scalar, in watts, shape (batches,), in order.
@@ -223,6 +241,10 @@ class Estimates:
     def quantity_names(self) -> list[str]:
         """Names of all scalars: what the ledger has, then the detectors."""
         return [q.name for q in scalars(self.scene, self.compiled.layout)]
+
+    def is_scalar(self, name: str) -> bool:
+        """Say whether a quantity is a single number, and not many bins."""
+        return not quantity_of(name, self.scene, self.compiled.layout).bins
 
     def _scalar(self, name: str) -> Quantity:
         found = quantity_of(name, self.scene, self.compiled.layout)
@@ -330,6 +352,7 @@ class Estimates:
             "ledger": self.ledger.summary(),
             "detectors": {name: d.summary() for name, d in self.detectors.items()},
             **self._tallies_summary(),
+            "checks": {name: checks.summary() for name, checks in self._checks.items()},
             "advisories": list(self.advisories),
         }
 
