@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from photizon_cl.cli.arguments import DIRECTORY, JSON
@@ -55,24 +56,24 @@ def _print(found: Comparison, first: str, second: str, out: Console) -> None:
     )
     out.print(paragraph(how, ""), soft_wrap=True)
     out.print()
-    rows = table(
-        ("quantity, W", "left"), ("first", "right"), ("second", "right"),
-        ("difference", "right"), ("± σ", "right"), ("ratio", "right"), ("± σ", "right"),
-    )  # fmt: skip
-    silent = 0
-    for row in found:
-        if not row.a.value and not row.b.value:
-            silent += 1
-            continue
-        alone = found.batches and not row.paired
-        rows.add_row(
-            Text(row.name + (" *" if alone else "")),
-            with_error(row.a.value, row.a.sigma)[0],
-            with_error(row.b.value, row.b.sigma)[0],
-            *with_error(row.difference, row.sigma),
-            *_ratio(row),
-        )
-    print_table(rows, out)
+    shown = [row for row in found if row.a.value or row.b.value]
+    for group, members in groupby(shown, key=lambda row: _split(row.name)[0]):
+        # the second is the first and the difference; so much fits a terminal of 80 columns
+        rows = table(
+            (f"{group}, W", "left"), ("first", "right"), ("difference", "right"), ("± σ", "right"),
+            ("ratio", "right"), ("± σ", "right"),
+        )  # fmt: skip
+        for row in members:
+            alone = found.batches and not row.paired
+            rows.add_row(
+                Text(_split(row.name)[1] + (" *" if alone else "")),
+                with_error(row.a.value, row.a.sigma)[0],
+                *with_error(row.difference, row.sigma),
+                *_ratio(row),
+            )
+        print_table(rows, out)
+        out.print()
+    silent = len(found) - len(shown)
     if any(not row.paired for row in found) and found.batches:
         text = "* of single elements of very many no batches are kept: added in quadrature"
         out.print(paragraph(text, ""), soft_wrap=True)
@@ -82,6 +83,16 @@ def _print(found: Comparison, first: str, second: str, out: Console) -> None:
         if names:
             listed = ", ".join(names[:12]) + (f" and {len(names) - 12} more" * (len(names) > 12))
             out.print(paragraph(f"only in {printable(folder)}: {listed}", ""), soft_wrap=True)
+
+
+def _split(name: str) -> tuple[str, str]:
+    """Return what a quantity belongs to, ledger or detector, and what it is there."""
+    parts = name.split(".")
+    if parts[0] == "ledger":
+        return "ledger", name.removeprefix("ledger.")
+    # an element's name may hold dots in quotes
+    owner, _, what = name.rpartition(".")
+    return owner, what
 
 
 def _ratio(row: Difference) -> tuple[str, str]:

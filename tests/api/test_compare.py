@@ -120,8 +120,8 @@ def test_files_and_the_command_say_the_same(white, grey, tmp_path, capsys):
     assert main(["compare", *folders]) == 0
     out = capsys.readouterr().out
     assert "paired over 24 batches" in out
-    row = next(line for line in out.splitlines() if line.startswith("ledger.escaped"))
-    assert float(row.split()[5]) == pytest.approx(pz.compare(grey, white)[ESCAPED].ratio, rel=1e-2)
+    row = next(line for line in out.splitlines() if line.startswith("escaped"))
+    assert float(row.split()[4]) == pytest.approx(pz.compare(grey, white)[ESCAPED].ratio, rel=1e-2)
     assert "more are 0 in both" in out
     sphere(0.97, seed=3).save(tmp_path / "other", figures=False)
     assert main(["compare", folders[0], str(tmp_path / "other")]) == 0

@@ -20,7 +20,8 @@ ROOT = Path(__file__).resolve().parents[2]
 QUANTITIES = ("detector", "map", "ladder", "far-field")
 """Effects that are named as quantities are: in results, figures and the report."""
 SHOWN_IN = (
-    "photizon_cl/cli/", "photizon_cl/compile/layout.py", "photizon_cl/result/",
+    "photizon_cl/cli/", "photizon_cl/compile/layout.py", "photizon_cl/compile/quantities.py",
+    "photizon_cl/result/",
     "photizon_cl/scene/detectors/", "photizon_cl/scene/elements/base.py", "photizon_cl/views/",
     # the bit of a code, and what asks for it
     "hostcode/program/codes.py", "kernels/lib/packets.mako",
