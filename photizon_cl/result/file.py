@@ -13,7 +13,7 @@ import hashlib
 import json
 import os
 import shutil
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -24,6 +24,7 @@ from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import ResultError, printable, show
 from photizon_cl.result.arrays import dataset
 from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates
+from photizon_cl.result.sealing import deaf_libraries_end, seal, sealed
 from photizon_cl.result.soundness import check_shapes, check_tally, integer, read_info
 from photizon_cl.result.statistics import Accumulator, AccumulatorState
 from photizon_cl.scene.files import load, parse_toml
@@ -63,6 +64,7 @@ def write_arrays(result: Estimates, path: Path) -> None:
     _check_room(path.parent, arrays, tally)
     _write(arrays, path, "w", None)
     _write(tally, path, "a", _GROUP)
+    seal(path)
 
 
 def write_state(result: Estimates, path: Path) -> None:
@@ -73,6 +75,7 @@ def write_state(result: Estimates, path: Path) -> None:
     _check_room(path.parent, tally)
     _write(_named(result, xr.Dataset()), path, "w", None)
     _write(tally, path, "a", _GROUP, packed=False)
+    seal(path)
 
 
 def _named(result: Estimates, arrays: xr.Dataset) -> xr.Dataset:
@@ -213,6 +216,15 @@ def _damage_told(file: Path) -> Iterator[None]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[h5netcdf.File]:
+    # of earlier versions' files nothing is known before HDF5 reads them
+    with ExitStack() as stack:
+        if not sealed(path):
+            stack.enter_context(deaf_libraries_end())
+        yield stack.enter_context(_hdf5(path))
+
+
+@contextmanager
+def _hdf5(path: Path) -> Iterator[h5netcdf.File]:
     import h5netcdf
     import h5py
 

@@ -199,13 +199,15 @@ class IrradianceMap:
                 values *= compiled.unit_power
                 values /= area
                 values[none] = np.nan
-        return cls(
-            irradiance,
-            sigma,
-            tally.counts(d.map, n).reshape(shape).copy(),
-            area,
-            bins,
-        )
+        count = tally.counts(d.map, n).reshape(shape).copy()
+        _closed(irradiance, sigma, count)
+        return cls(irradiance, sigma, count, area, bins)
+
+
+def _closed(*arrays: NDArray[Any]) -> None:
+    """Let nobody write into what a result says: its files and digests would say something else."""
+    for array in arrays:
+        array.flags.writeable = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -324,10 +326,12 @@ class FarFieldResult:
         sigma = tally.standard_error(first, n).reshape(shape)
         for values in (intensity, sigma):  # in place: they may take half a gigabyte each
             values *= compiled.unit_power / settings.solid_angle
+        count = tally.counts(first, n).reshape(shape).copy()
+        _closed(intensity, sigma, count)
         return cls(
             intensity,
             sigma,
-            tally.counts(first, n).reshape(shape).copy(),
+            count,
             settings.solid_angle,
             (2 * np.arange(n_mu + 1) - n_mu) / n_mu,
             2.0 * np.pi * np.arange(n_phi + 1) / n_phi,

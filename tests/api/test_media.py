@@ -40,10 +40,10 @@ def test_a_face_that_is_turned_round_is_told(turned, tilt):
         dataclasses.replace(f, axis=opposite[f.axis] if f.name == turned else f.axis, tilt_deg=tilt)
         for f in (FRONT, BACK)
     ]
-    (said,) = clashing_media(scene(*faces))[:1]
+    (said,) = clashing_media(scene(*faces))
     left, met = ("1", "1.5") if turned == "front" else ("1.5", "1")
     assert f'leaves "front" in a medium of index {left} meets "back" as from one of {met}' in said
-    assert "the opposite axis turns it" in said
+    assert '"front" or "back" is the wrong way round, and the opposite axis turns it' in said
 
 
 def test_what_passes_or_reflects_between_them_changes_no_medium():
@@ -55,6 +55,62 @@ def test_what_passes_or_reflects_between_them_changes_no_medium():
     # a mirror in glass: the light comes back to the face that it came in by
     mirror = face("mirror", 0.01, "-z", pz.Mirror(0.9))
     assert clashing_media(scene(FRONT, mirror)) == []
+
+
+def test_where_every_face_is_turned_it_is_asked():
+    """All of it would have to be in glass; a lamp in a body of glass says nothing."""
+    faces = [dataclasses.replace(FRONT, axis="+z"), dataclasses.replace(BACK, axis="-z")]
+    (said,) = clashing_media(scene(*faces))
+    assert 'meets "front" as from a medium of index 1.5, and most of it ends in that' in said
+    lamp = dataclasses.replace(LAMP, position=(0.0, 0.0, 0.005))
+    assert clashing_media(scene(FRONT, BACK, source=lamp)) == []
+
+
+def test_a_lens_that_little_light_reaches_is_told():
+    """One ray of 400 meets it; what counts is what of the light at a face is wrong."""
+    lamp = pz.CosinePoint(name="led", flux=1.0, position=(0, 0, -0.2), axis="+z")
+    faces = [dataclasses.replace(f, axis="-z", radius=0.01) for f in (FRONT, BACK)]
+    (said,) = clashing_media(scene(*faces, source=lamp))
+    assert '"front" or "back" is the wrong way round' in said
+
+
+def test_a_fault_behind_many_sane_faces_is_told():
+    slabs = []
+    for n in range(8):
+        slabs += [face(f"in {n}", 0.02 * n, "-z"), face(f"out {n}", 0.02 * n + 0.01, "+z")]
+    slabs[-1] = dataclasses.replace(slabs[-1], axis="-z")
+    (said,) = clashing_media(scene(*slabs, generation_cap=64))
+    assert 'leaves "in 7"' in said
+
+
+def test_indices_that_are_the_same_to_six_digits_are_no_clash():
+    for other in (1.5000000000000002, 1.5000001):
+        assert (
+            clashing_media(scene(FRONT, dataclasses.replace(BACK, surface=pz.Fresnel(other)))) == []
+        )
+
+
+def test_turning_is_offered_only_where_it_would_help():
+    def said(*elements):
+        (text,) = clashing_media(scene(*elements))
+        return text
+
+    air = dataclasses.replace(FRONT, surface=pz.Fresnel(1.5, index_outside=1.000293))
+    before = face("before", -0.1, "+z", pz.Fresnel(1.5))
+    first = face("first", -0.2, "-z", pz.Fresnel(1.5))
+    text = said(first, before, air, BACK)
+    assert "wrong way round" not in text
+    assert "1.000293" in text
+    ball = pz.Sphere(name="ball", position=(0, 0, 0.005), axis="+z", radius=0.004,
+                     surface=pz.Fresnel(1.0))  # fmt: skip
+    bubble = said(FRONT, ball, BACK)
+    assert '"ball" is the wrong way round' not in bubble
+    assert "index_outside of one is not what is meant" in bubble
+
+
+def test_very_many_faces_in_one_place_cost_no_time():
+    many = [face(f"window {n}", 0.0, "-z") for n in range(1001)]
+    assert clashing_media(scene(*many)) == []
 
 
 def test_an_index_that_is_not_the_bodys_is_told():

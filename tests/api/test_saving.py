@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -212,3 +213,19 @@ def test_a_failed_write_leaves_the_old_result(room, sphere, tmp_path, monkeypatc
         sphere.save(tmp_path, figures=False, replace=True)
     assert pz.open_result(tmp_path).tally_digest == room.tally_digest
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
+
+
+@pytest.mark.parametrize("which", ["room", "sphere"])
+def test_results_are_pickled(which, request):
+    result = request.getfixturevalue(which)
+    again = pickle.loads(pickle.dumps(result))
+    identical(again, result)
+    assert again.refine(batches=result.batches + 1).batches == result.batches + 1
+
+
+def test_nobody_writes_into_what_a_result_says(room, sphere):
+    far = sphere.far_field
+    shown = room.detectors["floor"].map
+    for array in (shown.irradiance, shown.sigma, shown.count, far.intensity, far.sigma, far.count):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 7

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -64,26 +65,26 @@ def _symmetric(half: float, n: int) -> NDArray[np.float64]:
 
 def across(name: str, half: float, n: int) -> Along:
     """Return n equal bins from −half to half metres along a local axis, ``u`` or ``v``."""
+    return Along(n, name, -half, half, partial(_across, name, half))
 
-    def shown(bins: int) -> Axis:
-        return Axis(
-            name=name, units="m", edges=_symmetric(half, bins), symbol=name,
-            text=f"local {name}", said=f"{name} =",
-        )  # fmt: skip
 
-    return Along(n, name, -half, half, shown)
+def _across(name: str, half: float, bins: int) -> Axis:
+    return Axis(
+        name=name, units="m", edges=_symmetric(half, bins), symbol=name,
+        text=f"local {name}", said=f"{name} =",
+    )  # fmt: skip
 
 
 def along_axis(length: float, n: int) -> Along:
     """Return n equal bins from 0 to a length in metres along the local axis w."""
+    return Along(n, "w", 0.0, length, partial(_along_axis, length))
 
-    def shown(bins: int) -> Axis:
-        return Axis(
-            name="w", units="m", edges=length * (np.arange(bins + 1) / bins), symbol="w",
-            text="local w, along the axis", said="w =", about="along the axis",
-        )  # fmt: skip
 
-    return Along(n, "w", 0.0, length, shown)
+def _along_axis(length: float, bins: int) -> Axis:
+    return Axis(
+        name="w", units="m", edges=length * (np.arange(bins + 1) / bins), symbol="w",
+        text="local w, along the axis", said="w =", about="along the axis",
+    )  # fmt: skip
 
 
 def polar_cosine(radius: float, n: int) -> Along:
@@ -91,11 +92,11 @@ def polar_cosine(radius: float, n: int) -> Along:
 
     The device has the height in metres on a ball of a radius.
     """
+    return Along(n, "w", -radius, radius, _polar_cosine)
 
-    def shown(bins: int) -> Axis:
-        return Axis(
-            name="cos_theta", units="1", edges=_symmetric(1.0, bins), symbol="cos θ",
-            text="cosine of the angle from the axis", said="cosine", about="from the axis",
-        )  # fmt: skip
 
-    return Along(n, "w", -radius, radius, shown)
+def _polar_cosine(bins: int) -> Axis:
+    return Axis(
+        name="cos_theta", units="1", edges=_symmetric(1.0, bins), symbol="cos θ",
+        text="cosine of the angle from the axis", said="cosine", about="from the axis",
+    )  # fmt: skip
