@@ -273,7 +273,12 @@ class TallyLayout:
             found.append((d.power, 1))
             if d.n_generations:
                 found.append((d.ladder, d.n_generations))
-        return tuple(sorted(found))
+        joined: list[tuple[int, int]] = []
+        for start, n in sorted(found):
+            if joined and sum(joined[-1]) == start:
+                start, n = joined[-1][0], joined.pop()[1] + n
+            joined.append((start, n))
+        return tuple(joined)
 
     @property
     def far_field(self) -> int:
