@@ -90,9 +90,9 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
     verdict = "met" if result.converged else "not met"
     out.print()
     on = result.scene.run.target_on
-    what = f"largest relative σ of {', '.join(on)}" if on else "median relative σ"
+    what = f"{result.sigma_is} of {', '.join(on)}" if on else result.sigma_is
     text = f"{what} {sigma}, target {result.target_sigma:.3g} {verdict}"
-    if result.least_lit is not None:
+    if result.least_lit is not None and not on:
         name, lit, maps = result.least_lit
         text += f"; {lit_percent(lit)} of the bins lit"
         text += f" on {name}, the least of {maps} maps" if maps > 1 else ""

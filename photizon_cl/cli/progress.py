@@ -63,7 +63,9 @@ def progress_line(now: Progress) -> str:
     batches = f"batch {now.batches}" + (f"/{now.goal_batches}" if now.goal_batches else "")
     rate = f"{now.interactions_per_second / 1e6:.1f} M interactions/s"
     left = "" if now.eta_seconds is None else f"  {_time(now.eta_seconds)} left"
-    return f"{sigma}  {batches}  {rate}{left}"
+    told = now.forecast
+    of = "" if told is None or not left else f" of {_time(told.low)} to {_time(told.high)}"
+    return f"{sigma}  {batches}  {rate}{left}{of}"
 
 
 def _time(seconds: float) -> str:

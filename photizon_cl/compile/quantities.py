@@ -74,6 +74,8 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
         parts = path_parts(name)
     except ArgumentError:
         parts = []
+    if any(isinstance(part, int) for part in parts[:3]):  # objects have names here
+        parts = []
     if parts == ["far_field"]:
         if not layout.n_mu:
             raise ArgumentError(

@@ -23,6 +23,8 @@ __all__ = ["run_advisories"]
 _LIT: Final = 0.5  # part of the map bins that should be lit
 _FAR: Final = 2.0
 """Times the target that a detector's relative σ may be where another quantity met it."""
+_WORST: Final = 3
+"""Detectors that are named of many of which the same is to be said."""
 _MANY: Final = 10**7  # batches that are written with a power of ten
 
 
@@ -46,11 +48,16 @@ def _short(result: Estimates) -> Iterator[str]:
     if achieved is not None:
         if result.info.goal.target is not None:  # else a number of batches was asked for
             yield (
-                f"the target was not met: the median relative σ is {achieved:.3g} and {target:.3g} "
+                f"the target was not met: the {result.sigma_is} is {achieved:.3g} and {target:.3g} "
                 f"was asked for; {_needed(result, achieved / target)}"
             )
     elif result.batches < 2:
         yield "a single batch has no standard error: run at least two, better 8 or more"
+    elif result.scene.run.target_on:
+        yield (
+            f"the target of {target:.3g} was not met: nothing came to "
+            f"{', '.join(result.unreached)}; look where the light goes in the ledger"
+        )
     else:
         yield (
             f"no bin, detector or row gathered enough for a relative σ, so the target of "
@@ -78,17 +85,29 @@ def _left_behind(result: Estimates) -> Iterator[str]:
     """Find detectors that stand far above a target that was met on something else."""
     if not result.converged or result.info.goal.target is None or result.scene.run.target_on:
         return
+    found = []
     for name, detector in result.detectors.items():
         power = detector.power
-        if not power.value or power.sigma is None:
-            continue
-        relative = power.sigma / abs(power.value)
-        if relative > _FAR * result.target_sigma:
-            yield (
-                f"the target of {result.target_sigma:.3g} was met by the median, and the power of "
-                f"{show(name)} is known to {100.0 * relative:.2g} % alone: name what must meet it, "
-                f"target_on = ['detectors.{quoted(name)}.power']"
-            )
+        # where it reads nothing from behind, that is told
+        dark = not power.count and not result.ledger.absorbed[name].value
+        if power.sigma is not None and (power.value or dark):
+            relative = power.sigma / abs(power.value) if power.value else math.inf
+            if relative > _FAR * result.target_sigma:
+                found.append((relative, name))
+    found.sort(key=lambda row: -row[0])
+    for relative, name in found[:_WORST]:
+        known = f"is known to {100.0 * relative:.2g} % alone"
+        if relative == math.inf:
+            most = 3.0 * result.ledger.emitted.value / result.rays
+            known = f"is 0, nothing having arrived, which of {result.rays} rays says little (where "
+            known += f"all are alike, that it is below {most:.1g} W in 95 of 100 cases)"
+        yield (
+            f"the target of {result.target_sigma:.3g} was met by the median, and the power of "
+            f"{show(name)} {known}: name what must meet it, "
+            f"target_on = ['detectors.{quoted(name)}.power']"
+        )
+    if len(found) > _WORST:
+        yield f"{len(found) - _WORST} more detectors stand as far from the target"
 
 
 def _unbelievable(result: Estimates) -> Iterator[str]:
@@ -98,17 +117,30 @@ def _unbelievable(result: Estimates) -> Iterator[str]:
     """
     if result.batches < LEAST_BATCHES:  # which is told
         return
+    if not result.tally.batch_values.kept:
+        yield (
+            f"single batches of so long a run are not kept, so that its standard errors cannot be "
+            f"checked (that takes fewer than {result.most_kept} batches: more rays a batch)"
+        )
+        return
     met = result.converged and result.info.goal.target is not None
     watched = result.scene.run.target_on or [
         f"detectors.{quoted(name)}.power" for name in result.detectors
     ]
+    found = []
     for name in watched:
         if result.is_scalar(name):
-            quantity, checks = result.quantity(name), result.quantity(name).checks
+            quantity = result.quantity(name)
+            checks = quantity.checks
             if checks is None:
                 continue
             if not (checks.believable and (not met or all(checks.good.values()))):
-                yield f"the σ of {quantity.name}, {quantity} W, {checks.reason()}"
+                text = f"the σ of {quantity.name}, {quantity} W, {checks.reason()}"
+                found.append((checks.relative_sigma, text))
+    found.sort(key=lambda row: -row[0])
+    yield from (text for _, text in found[:_WORST])
+    if len(found) > _WORST:
+        yield f"{len(found) - _WORST} more have a σ of which that is so"
 
 
 def _missed(result: Estimates) -> Iterator[str]:
@@ -148,6 +180,8 @@ def _capped(result: Estimates) -> Iterator[str]:
 
 def _unlit(result: Estimates) -> Iterator[str]:
     """Find maps in which most of what is lit is known badly; what stays dark is no fault."""
+    if result.scene.run.target_on:  # which is judged by something else
+        return
     for name, detector in result.detectors.items():
         if detector.map is None or detector.map.known_fraction >= _LIT:
             continue

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from hostcode.run.tally import values, whole_of
+from hostcode.run.tally import SparseTally, values, whole_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from hostcode.run.tally import SparseTally
 
 __all__ = ["MOST_VALUES", "BatchValues"]
 
@@ -50,12 +48,11 @@ class BatchValues:
         if (len(self._rows) + 1) * len(self.cells) > MOST_VALUES:
             self._rows = None
             return
-        found = [values(whole_of(tally, first, n)) for first, n in self.ranges]
-        self._rows.append(np.concatenate(found))
-
-    def drop(self) -> None:
-        """Keep nothing, now and later."""
-        self._rows = None
+        if isinstance(tally, SparseTally):
+            found = np.concatenate([whole_of(tally, first, n) for first, n in self.ranges])
+        else:
+            found = tally[self.cells]
+        self._rows.append(values(found))
 
     def copy(self) -> BatchValues:
         """Return an independent copy."""
@@ -71,6 +68,7 @@ class BatchValues:
         if len(self._whole) < len(self._rows):
             self._whole = np.array(self._rows).reshape(len(self._rows), len(self.cells))
             self._whole.flags.writeable = False
+            self._rows = list(self._whole)  # parts of it, and no second copy
         return self._whole
 
     def restore(self, table: NDArray[np.float64] | None) -> None:

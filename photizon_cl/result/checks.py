@@ -4,9 +4,9 @@
 comes out too small until it was seen often enough. So beside σ stand the variance of the variance
 (the relative variance of σ², S. Pederson, R. A. Forster and T. E. Booth, Nucl. Sci. Eng. 127, 54,
 1997), which falls as 1/n for any well-behaved quantity and is about 1/k where k events make up the
-scatter; the part of the total that the largest batch has beyond the median one, which bounds what a
-single arrival brought there; and, of detectors, how many equal arrivals would have such a σ, beside
-how many there were. Where those are few of very many, few arrivals carry what makes σ, and more of
+scatter; the part of the total that the largest batch has, which bounds that of a single arrival;
+and, of detectors whose rays do not split, how many equal arrivals would have such a σ, beside how
+many there were. Where those are few of very many, few arrivals carry what makes σ, and more of
 their kind may not have been seen.
 """
 
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 
 from photizon_cl.result.ledger import Estimate
+from photizon_cl.result.stopping import LEAST_BATCHES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +31,7 @@ GOOD_SIGMA: Final = 0.1
 GOOD_VARIANCE: Final = 0.1
 """Variance of the variance up to which σ is known well enough (MCNP's limit)."""
 GOOD_SHARE: Final = 0.1
-"""Part of the total that the largest batch may have beyond the median one."""
+"""Part of the total that the largest batch may have, or two batches' worth where they are few."""
 _EVEN: Final = 0.01
 """Part of the arrivals that at least make up σ where their weights are even enough."""
 _MANY: Final = 1000.0
@@ -58,9 +59,9 @@ class Checks:
     variance_of_variance : float
         Relative variance of σ²: Σd⁴/(Σd²)² − 1/n over the batches' deviations d from their mean.
     largest_share : float
-        Part of the total that the largest batch has beyond the median batch, in [0, 1].
+        Part of the total that the largest batch has: no arrival has more.
     count : int or None
-        Arrivals; None where they are not counted.
+        Independent arrivals; None where they are not counted.
     """
 
     batches: int
@@ -82,12 +83,11 @@ class Checks:
         square = float((scaled**2).sum())
         fourth = float((scaled**4).sum())
         sigma = largest * math.sqrt(square / (n - 1) / n)
-        beyond = float(values.max() - np.median(values))
         return cls(
             n,
             sigma * n / abs(total) if total else math.inf,
             max(fourth / square**2 - 1.0 / n, 0.0) if square else 0.0,
-            min(beyond / abs(total), 1.0) if total else 0.0,
+            float(values.max()) / total if total else 1.0,
             count,
         )
 
@@ -107,7 +107,7 @@ class Checks:
         return {
             "relative_sigma": self.relative_sigma <= GOOD_SIGMA,
             "variance_of_variance": self.variance_of_variance <= self.limit,
-            "largest_share": self.largest_share <= GOOD_SHARE,
+            "largest_share": self.largest_share <= max(GOOD_SHARE, 2.0 / self.batches),
             "effective_arrivals": self._even,
         }
 
@@ -120,9 +120,13 @@ class Checks:
 
     @property
     def believable(self) -> bool:
-        """Whether σ says how far off the value may be, large as it may be."""
+        """Whether σ says how far off the value may be, large as it may be; not of few batches."""
         good = self.good
-        return good["variance_of_variance"] and good["effective_arrivals"]
+        return (
+            self.batches >= LEAST_BATCHES
+            and good["variance_of_variance"]
+            and good["effective_arrivals"]
+        )
 
     def reason(self) -> str:
         """Say what is not good, as what follows the quantity's σ."""
@@ -135,7 +139,7 @@ class Checks:
                 f"is made by few of its {self.count} arrivals, as large as {effective:.3g} equal "
                 f"ones would have it; {advice}"
             )
-        if self.believable:
+        if self.believable and not self.good["relative_sigma"]:
             return (
                 f"is {100.0 * self.relative_sigma:.2g} % of it, and an error of more than "
                 f"{100.0 * GOOD_SIGMA:.0f} % is poorly known itself; run longer"
@@ -143,7 +147,7 @@ class Checks:
         return (
             f"is made by few of {self.batches} batches (variance of the variance "
             f"{self.variance_of_variance:.2g}, good up to {self.limit:.2g}; the largest batch has "
-            f"{100.0 * self.largest_share:.2g} % of the total beyond the median one); {advice}"
+            f"{100.0 * self.largest_share:.2g} % of the total); {advice}"
         )
 
     def summary(self) -> dict[str, Any]:

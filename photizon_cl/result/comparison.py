@@ -10,10 +10,15 @@ difference is known by. Of other runs the errors are independent and add in quad
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.compile.quantities import scalars
+from photizon_cl.errors import ArgumentError
+from photizon_cl.result.ledger import Estimate
+from photizon_cl.scene.names import unknown_name
+from photizon_cl.scene.parameter_paths import path_parts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,7 +27,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.result.estimates import Estimates
-    from photizon_cl.result.ledger import Estimate
 
     _Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -40,7 +44,8 @@ class Difference:
     name : str
         The quantity's.
     a, b : Estimate
-        What each run says, of all its batches; in watts.
+        What each run says in watts, of the batches that were compared: all, or where they are
+        paired and one run has more, those that both have.
     difference : float
         b − a in watts. Paired, of the batches that both have.
     sigma : float or None
@@ -111,9 +116,10 @@ class Comparison:
         return len(self.rows)
 
     def __getitem__(self, name: str) -> Difference:
-        from photizon_cl.scene.names import unknown_name
-
-        found = next((row for row in self.rows if row.name == name), None)
+        found = None
+        with suppress(ArgumentError):
+            parts = path_parts(name)
+            found = next((row for row in self.rows if path_parts(row.name) == parts), None)
         if found is None:
             raise unknown_name("comparison", name, [row.name for row in self.rows])
         return found
@@ -155,7 +161,8 @@ def compared(a: Estimates, b: Estimates) -> Comparison:
                     x[:common] * a.compiled.unit_power,
                     y[:common] * b.compiled.unit_power,
                 )
-        rows.append(_row(name, a.quantity(name), b.quantity(name), both))
+        first = _of(a.quantity(name), a.batches, both, 0)
+        rows.append(_row(name, first, _of(b.quantity(name), b.batches, both, 1), both))
     return Comparison(
         a.scene.name,
         b.scene.name,
@@ -176,10 +183,20 @@ def _pairs(a: Estimates, b: Estimates) -> tuple[int, str]:
         return 0, f"the rays per batch differ ({one.rays_per_batch} and {other.rays_per_batch})"
     if not (a.tally.batch_values.kept and b.tally.batch_values.kept):
         return 0, "single batches were not kept, as in very long runs and by earlier versions"
+    if a.info.engine != b.info.engine:
+        return 0, "other versions of the engine made them"
     n = min(a.batches, b.batches)
     if n < 2:
         return 0, "a single batch has no scatter"
-    return n, f"both have the seed {one.seed} and {one.rays_per_batch} rays per batch"
+    first = "" if a.batches == b.batches else f", and the first {n} batches"
+    return n, f"both have the seed {one.seed} and {one.rays_per_batch} rays per batch{first}"
+
+
+def _of(quantity: Estimate, batches: int, both: _Pair | None, which: int) -> Estimate:
+    """Return what the batches say that are compared."""
+    if both is None or len(both[which]) == batches:
+        return quantity
+    return Estimate(float(both[which].mean()), _error(both[which]))
 
 
 def _row(

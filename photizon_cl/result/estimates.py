@@ -23,7 +23,7 @@ from photizon_cl.result.checks import Checks, Scalar
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.ledger import Ledger, watts
 from photizon_cl.result.maps import DetectorResult, FarFieldResult
-from photizon_cl.result.stopping import Goal, achieved_sigma
+from photizon_cl.result.stopping import Goal, achieved_sigma, relative_sigma
 from photizon_cl.result.tallies import EffectTally, effect_tallies
 from photizon_cl.scene.names import Table
 from photizon_cl.version import __version__
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.compile.layout import Quantity
+    from photizon_cl.result.forecast import Forecast
     from photizon_cl.result.pilot import Pilot
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene
@@ -76,6 +77,8 @@ class RunInfo:
         earlier versions.
     pilot : Pilot or None
         What a pilot found, traced where power reached the generation cap; None where none was.
+    forecast : Forecast or None
+        How long the run would take, told from its first batches; None where it ended with them.
     """
 
     device: str = ""
@@ -88,6 +91,7 @@ class RunInfo:
     history: tuple[tuple[int, float, float | None], ...] = ()
     stopped: str = ""
     pilot: Pilot | None = None
+    forecast: Forecast | None = None
     version: str = __version__
     engine: str = field(default_factory=engine_digest)
 
@@ -201,10 +205,12 @@ class Estimates:
     def _checks(self) -> dict[str, Checks]:
         """Checks of every scalar that has some, by name."""
         layout, kept, found = self.compiled.layout, self.tally.batch_values, {}
-        for quantity in scalars(self.scene, layout):
+        splits = any(e.surface.splits for e in self.scene.element)
+        for quantity in self._scalars.values():
             values = kept.of(quantity.first)
             if values is not None:
-                counted = quantity.first >= layout.n_rows
+                # of rays that split, many arrivals are of one ray
+                counted = quantity.first >= layout.n_rows and not splits
                 count = int(self.tally.counts(quantity.first, 1)[0]) if counted else None
                 checks = Checks.of(values, count)
                 if checks is not None:
@@ -240,14 +246,33 @@ class Estimates:
     @property
     def quantity_names(self) -> list[str]:
         """Names of all scalars: what the ledger has, then the detectors."""
-        return [q.name for q in scalars(self.scene, self.compiled.layout)]
+        return list(self._scalars)
 
     def is_scalar(self, name: str) -> bool:
         """Say whether a quantity is a single number, and not many bins."""
-        return not quantity_of(name, self.scene, self.compiled.layout).bins
+        return not self._quantity(name).bins
+
+    @property
+    def unreached(self) -> list[str]:
+        """Quantities of ``target_on`` that have no relative σ, as nothing came there."""
+        watched = self.compiled.layout.watched
+        return [q.name for q in watched if relative_sigma(q, self.tally) is None]
+
+    @property
+    def most_kept(self) -> int:
+        """Batches up to which each one's values are kept."""
+        return MOST_VALUES // max(len(self.tally.batch_values.cells), 1)
+
+    @cached_property
+    def _scalars(self) -> dict[str, Quantity]:
+        return {q.name: q for q in scalars(self.scene, self.compiled.layout)}
+
+    def _quantity(self, name: str) -> Quantity:
+        found = self._scalars.get(name)
+        return found or quantity_of(name, self.scene, self.compiled.layout)
 
     def _scalar(self, name: str) -> Quantity:
-        found = quantity_of(name, self.scene, self.compiled.layout)
+        found = self._quantity(name)
         if found.bins:
             raise ArgumentError(
                 f"{name}: found {found.bins} bins, expected a scalar: as a whole it is a target "
@@ -261,15 +286,19 @@ class Estimates:
                 f"of more than {MOST_ABSORBING} elements what each absorbs is not kept batch by "
                 "batch; a detector on it keeps its power"
             )
-        most = MOST_VALUES // max(len(self.tally.batch_values.cells), 1)
         return (
-            f"single batches were not kept: that is done for up to {most} batches of this scene, "
+            f"single batches were not kept: that is done for up to {self.most_kept} batches of it, "
             "and not by earlier versions; run it with more rays a batch"
         )
 
+    @property
+    def sigma_is(self) -> str:
+        """What `achieved_sigma` is, in three words."""
+        return "largest relative σ" if self.scene.run.target_on else "median relative σ"
+
     @cached_property
     def achieved_sigma(self) -> float | None:
-        """Median relative standard error, see `photizon_cl.result.stopping.achieved_sigma`."""
+        """Relative standard error to be judged by, see `photizon_cl.result.stopping`."""
         return achieved_sigma(self.compiled.layout, self.tally)
 
     @cached_property
@@ -343,6 +372,7 @@ class Estimates:
             "interactions": info.interactions,
             "seconds": info.seconds,
             "build_seconds": info.build_seconds,
+            "forecast": None if info.forecast is None else info.forecast.summary(),
             "converged": self.converged,
             "target_sigma": self.target_sigma,
             "achieved_sigma": self.achieved_sigma,

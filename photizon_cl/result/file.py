@@ -138,6 +138,8 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
         made["batch_values"] = (("batch", "scalar"), state.batch_values, about)
     if info.pilot is not None:
         made.attrs["pilot"] = info.pilot.text()
+    if info.forecast is not None:
+        made.attrs["forecast"] = info.forecast.text()
     if state.cells is not None:  # of very many cells, those that are not zero
         about = {"long_name": "which cells these are; all others are zero"}
         made["cells"] = (("cell",), state.cells, about)

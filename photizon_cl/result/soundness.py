@@ -18,6 +18,7 @@ from hostcode.run.tally import UNIT_EXPONENT
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER
 from photizon_cl.result.batch_values import MOST_VALUES
 from photizon_cl.result.estimates import RunInfo
+from photizon_cl.result.forecast import Forecast
 from photizon_cl.result.ledger import CLOSURE_LIMIT
 from photizon_cl.result.pilot import Pilot
 from photizon_cl.result.stopping import Goal
@@ -229,6 +230,7 @@ def read_info(
         goal=_goal(attrs),
         history=_history(arrays),
         pilot=pilot,
+        forecast=Forecast.read(attrs["forecast"]) if "forecast" in attrs else None,
     )
 
 

@@ -22,6 +22,7 @@ from photizon_cl.errors import (
 )
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.estimates import Estimates, RunInfo
+from photizon_cl.result.forecast import Forecast
 from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
@@ -84,7 +85,8 @@ def refine(
             f"batches: found {goal.batches}, expected at least the {result.batches} that the "
             "result has already (the number is that of all batches)"
         )
-    info = dataclasses.replace(result.info, goal=goal)
+    forecast = result.info.forecast if goal == result.info.goal else None
+    info = dataclasses.replace(result.info, goal=goal, forecast=forecast)
     if not result.batches:
         info = dataclasses.replace(info, version=__version__, engine=engine_digest())
     elif info.engine not in ("", engine_digest()):
@@ -214,7 +216,7 @@ def _add_batches(
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
-    full = ""
+    full, forecast = "", info.forecast
     history = History(info.history, info.seconds)
 
     def so_far(stopped: str = "") -> RunInfo:
@@ -227,6 +229,7 @@ def _add_batches(
             worst_closure=worst,
             history=history.rows,
             stopped=stopped,
+            forecast=forecast,
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
@@ -249,10 +252,15 @@ def _add_batches(
                 label, build = chunk.device, max(build, chunk.build_seconds)
                 clock.note(tally.batches)
                 history.note(compiled.layout, tally, clock.elapsed())
+                if forecast is None and not done:
+                    forecast = Forecast.of(
+                        compiled.layout, tally, goal, info.seconds + clock.elapsed(), info.seconds
+                    )
                 if keeper is not None:
                     keeper.note(lambda: Estimates(compiled, tally, so_far()))
                 if progress is not None:
-                    progress(Progress.of(compiled, tally, goal, info, interactions, clock))
+                    now = Progress.of(compiled, tally, goal, info, interactions, clock, forecast)
+                    progress(now)
                 if done or full or interrupted() or clock.over():
                     break
                 del chunk, cells, whole  # the next ones are computed before they are replaced

@@ -12,6 +12,7 @@ from photizon_cl.result.stopping import LEAST_BATCHES, Goal, achieved_sigma
 if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.result.estimates import RunInfo
+    from photizon_cl.result.forecast import Forecast
     from photizon_cl.result.statistics import Accumulator
 
 __all__ = ["Clock", "Progress"]
@@ -105,6 +106,8 @@ class Progress:
         In this call.
     eta_seconds : float or None
         Time left, as far as it can be told: σ falls with the square root of the batches.
+    forecast : Forecast or None
+        How long the run takes in all, as told when its first batches were in.
     """
 
     batches: int
@@ -115,6 +118,7 @@ class Progress:
     seconds: float
     interactions_per_second: float
     eta_seconds: float | None
+    forecast: Forecast | None = None
 
     @classmethod
     def of(
@@ -125,6 +129,7 @@ class Progress:
         info: RunInfo,
         interactions: int,
         clock: Clock,
+        forecast: Forecast | None = None,
     ) -> Progress:
         """Return how far a call is that made so many interactions."""
         achieved = achieved_sigma(compiled.layout, tally)
@@ -147,4 +152,5 @@ class Progress:
             seconds=seconds,
             interactions_per_second=interactions / seconds,
             eta_seconds=min(left) if left and math.isfinite(min(left)) else None,
+            forecast=forecast,
         )

@@ -139,7 +139,8 @@ class Result(Estimates):
         target : float, optional
             Relative standard error to reach.
         target_on : sequence of str, optional
-            Quantities that must each meet it; default those that the run had.
+            Quantities that must each meet it, or, given alone, the scene's target; default those
+            that the run had.
         batches : int, optional
             Batches in all, the ones that are there included. Without either, the goal that the run
             had holds.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 
@@ -94,9 +95,12 @@ def test_runs_of_other_lengths_pair_in_the_batches_that_both_have(white):
     longer = sphere(0.97, batches=30)
     found = pz.compare(longer, white)
     assert found.batches == 24
-    # the same batches: nothing differs, although the means over all batches do
+    assert "and the first 24 batches" in found.why
+    # the same batches: nothing differs, and both are shown as these say
     assert (found[ESCAPED].difference, found[ESCAPED].sigma) == (0.0, 0.0)
-    assert found[ESCAPED].a != found[ESCAPED].b
+    assert found[ESCAPED].a.value == pytest.approx(white.ledger.escaped.value, rel=1e-14)
+    assert found[ESCAPED].a.sigma == pytest.approx(white.ledger.escaped.sigma, rel=1e-12)
+    assert found[ESCAPED].b == white.ledger.escaped
 
 
 def test_what_one_run_alone_has_is_named(white):
@@ -106,6 +110,13 @@ def test_what_one_run_alone_has_is_named(white):
     assert {row.name for row in found} >= {ESCAPED, "ledger.depth_capped"}
     with pytest.raises(pz.UnknownNameError, match="did you mean"):
         found["ledger.escapd"]
+    assert found['"ledger".escaped'] is found[ESCAPED]
+
+
+def test_batches_of_other_engines_are_no_pairs(white):
+    info = dataclasses.replace(white.info, engine="other")
+    found = pz.compare(white, pz.Result(white.compiled, white.tally, info))
+    assert (found.batches, found.why) == (0, "other versions of the engine made them")
 
 
 def test_files_and_the_command_say_the_same(white, grey, tmp_path, capsys):

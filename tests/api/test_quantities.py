@@ -69,6 +69,7 @@ def test_names_are_quoted_where_they_need_it_and_quotes_do_no_harm(room):
         ("detectors.floor.map", "found 1024 bins, expected a scalar"),
         ("", "expected a quantity such as"),
         (7, "expected a quantity such as"),
+        ("detectors[0].power", "expected a quantity such as"),
         ('detectors."floor.power', "expected a quantity such as"),
     ],
 )
@@ -191,6 +192,22 @@ def test_maps_and_far_fields_are_targets_by_their_lit_bins(room):
 def test_what_nothing_reaches_meets_no_target():
     found = pz.trace("box-room", target=0.9, target_on=["ledger.escaped"], **FEW)
     assert (found.batches, found.converged, found.achieved_sigma) == (12, False, None)
+    (said,) = [text for text in found.advisories if "was not met" in text]
+    assert "nothing came to ledger.escaped" in said
+
+
+def test_what_is_said_is_said_of_the_quantities(tmp_path, capsys):
+    asked = {"target": 1e-4, "target_on": ["detectors.floor.power"], "batches": 9}
+    found = pz.trace("box-room", rays_per_batch=512, **asked)
+    (said,) = [text for text in found.advisories if "was not met" in text]
+    assert "the largest relative σ is" in said
+    assert "median" not in " ".join(found.advisories)
+    assert "largest relative σ" in found._repr_html_()
+    found.save(tmp_path, figures=False)
+    assert main(["report", str(tmp_path)]) == 0
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert "The largest relative standard error (σ) over detectors.floor.power is" in page
+    assert "edian relative σ as the run went on" not in page
 
 
 def test_targets_stand_in_files_and_go_on(room, tmp_path, capsys):

@@ -41,7 +41,7 @@ def sparse(monkeypatch):
 def everything(result):
     """Return all that a result says."""
     d, far = result.detectors["target"], result.far_field
-    said = {**result.summary(), "seconds": 0, "build_seconds": 0}
+    said = {**result.summary(), "seconds": 0, "build_seconds": 0, "forecast": None}
     arrays = (d.map.irradiance, d.map.sigma, d.map.count, far.intensity, far.sigma, far.count)
     return said, [array.tobytes() for array in arrays]
 

@@ -107,7 +107,9 @@ def test_scale_changes_nothing_however_large_or_small():
 
 def test_what_has_no_scatter_is_believed():
     checks = Checks.of(np.full(9, 0.25), 900)
-    assert (checks.relative_sigma, checks.variance_of_variance, checks.largest_share) == (0, 0, 0)
+    assert (checks.relative_sigma, checks.variance_of_variance) == (0, 0)
+    assert checks.largest_share == pytest.approx(1 / 9)
+    assert all(checks.good.values())
     assert checks.believable
     assert checks.effective_arrivals is None
     assert Checks.of(np.zeros(9)) is None
@@ -146,3 +148,53 @@ def test_a_target_that_is_met_by_an_error_that_is_poorly_known_is_told():
     few = pz.trace("box-room", batches=8, rays_per_batch=128,
                    target_on=["detectors.floor.ladder[9]"])  # fmt: skip
     assert not doubtful(few)  # a number of batches was asked for
+
+
+def lenses_face_to_face():
+    """Two lenses and a disk at their focus: hundreds of ghosts arrive of each ray."""
+    glass = pz.Fresnel(1.5)
+    lens = {"curvature_radius": 0.1, "aperture_radius": 0.03, "surface": glass}
+    first = pz.PlanoConvex(name="first", position=(0, 0, 0), axis="+z", **lens)
+    second = pz.PlanoConvex(name="second", position=(0, 0, 0.03), axis="-z", **lens)
+    focus = pz.Disk(name="focus", position=(0, 0, 0.12), axis="-z", radius=0.004,
+                    surface=pz.Absorber(), detector=pz.Detector())  # fmt: skip
+    lamp = pz.CollimatedDisk(name="lamp", flux=1, position=(0, 0, -0.1), axis="+z", radius=0.03)
+    return pz.Scene("lenses", (lamp,), (first, second, focus))
+
+
+def test_ghosts_of_one_ray_are_no_arrivals_of_their_own():
+    for seed in range(6):
+        found = pz.trace(lenses_face_to_face(), seed=seed, batches=8, rays_per_batch=256)
+        assert found.quantity("detectors.focus.power").count > 8 * 256
+        assert not doubtful(found), seed
+
+
+def test_few_batches_make_nothing_believable():
+    values = np.zeros(7)
+    values[2] = 1.0
+    assert not Checks.of(values).believable
+    assert not Checks.of(np.ones(7)).believable
+    assert Checks.of(np.ones(8)).believable
+
+
+def test_long_runs_say_that_nothing_is_checked(monkeypatch):
+    monkeypatch.setattr("photizon_cl.result.batch_values.MOST_VALUES", 200)
+    found = pz.trace("cosine-fourth", batches=60, rays_per_batch=64)
+    assert any("cannot be checked" in text for text in found.advisories)
+    assert found.summary()["checks"] == {}
+
+
+def test_a_detector_that_saw_nothing_where_a_map_met_the_target_is_told():
+    scene = pz.load("box-room").to_dict()
+    diodes = [
+        {"name": f"diode {n}", "kind": "disk", "position": [0.01 * n, 0.2, 0.5], "axis": "+z",
+         "radius": 1e-6, "surface": {"kind": "absorber"}, "detector": {}}
+        for n in range(5)
+    ]  # fmt: skip
+    scene["element"] += diodes
+    found = pz.trace(scene, target=0.3, rays_per_batch=2048)
+    assert found.converged
+    said = [text for text in found.advisories if "was met by the median" in text]
+    assert len(said) == 3
+    assert all("is 0, nothing having arrived" in text for text in said)
+    assert "2 more detectors stand as far from the target" in found.advisories

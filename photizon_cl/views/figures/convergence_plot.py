@@ -65,7 +65,7 @@ def draw_convergence(result: Estimates) -> Figure:
             "the result holds no history of σ (it was saved by an earlier version): trace again"
         )
     known = np.isfinite(waves["sigma"]) & (waves["sigma"] > 0.0)
-    what = "convergence: median relative σ as the run went on"
+    what = f"convergence: {result.sigma_is} as the run went on"
     notes = [f"{len(waves):,} point{'s' * (len(waves) != 1)} over {waves['seconds'][-1]:.4g} s"]
     if len(waves) > known.sum():
         notes[0] += f", {len(waves) - int(known.sum())} of them without a σ to draw"
@@ -90,7 +90,7 @@ def draw_convergence(result: Estimates) -> Figure:
     if not known.any():
         both[0].set_yscale("linear")
         both[0].set_yticks([])
-    both[0].set_ylabel("median relative σ in %", fontsize=LABEL)
+    both[0].set_ylabel(f"{result.sigma_is} in %", fontsize=LABEL)
     handles, labels = both[0].get_legend_handles_labels()
     if handles:
         # Above both panels, where it hides no point.

@@ -312,7 +312,7 @@ def _state(result: Estimates, own: tuple[str, float | None] | None) -> list[str]
         unknown = result.batches < 2
         run = "σ unknown from a single batch" if unknown else "nothing has a relative σ"
     else:
-        run = f"median relative σ {percent(achieved)} {judged_by(result)}{aim}"
+        run = f"{result.sigma_is} {percent(achieved)} {judged_by(result)}{aim}"
     if own is None or result.batches < 2:
         return [f"{start} · {run}"]
     what, sigma = own
@@ -325,7 +325,10 @@ def _state(result: Estimates, own: tuple[str, float | None] | None) -> list[str]
 
 
 def judged_by(result: Estimates) -> str:
-    """Return what the achieved σ is the median over, in a few words."""
+    """Return what the achieved σ is the median over, or the largest of, in a few words."""
+    on = result.scene.run.target_on
+    if on:
+        return f"of {on[0]}" if len(on) == 1 else f"of {len(on)} quantities"
     maps = sum(d.map is not None for d in result.detectors.values())
     if maps:
         return "over all maps" if maps > 1 else "over the map"

@@ -28,11 +28,12 @@ def html(result: Estimates) -> str:
     sigma = "unknown" if achieved is None else percent(achieved)
     verdict = "met" if result.converged else "not met"
     head = Markup(
-        "{} rays in {} batches, seed {} · median relative σ {}, target {} {} · {} · <code>{}</code>"
+        "{} rays in {} batches, seed {} · {} {}, target {} {} · {} · <code>{}</code>"
     ).format(
         integer(result.rays),
         integer(result.batches),
         result.scene.run.seed,
+        result.sigma_is,
         sigma,
         percent(result.target_sigma),
         verdict,

@@ -27,7 +27,9 @@ def _count(number: int, one: str, many: str = "") -> str:
 
 
 def judged_by(result: Estimates) -> str:
-    """Return what the achieved σ is the median over."""
+    """Return what the achieved σ is the median over, or the largest of."""
+    if result.scene.run.target_on:
+        return ", ".join(result.scene.run.target_on)
     if any(d.map is not None for d in result.detectors.values()):
         return "the map bins with at least 10 arrivals"
     if result.detectors:
@@ -90,9 +92,15 @@ def _how_well(result: Estimates) -> Markup:
     else:
         verdict = "meets" if result.converged else "does not meet"
         words = Markup(
-            "The median relative standard error (σ) over {} is {}, which {} the target of {}."
+            "The {} relative standard error (σ) over {} is {}, which {} the target of {}."
         )
-        found = words.format(judged_by(result), percent(achieved), verdict, percent(target))
+        found = words.format(
+            result.sigma_is.split()[0],
+            judged_by(result),
+            percent(achieved),
+            verdict,
+            percent(target),
+        )
     closure = result.ledger.closure
     if closure == 0.0:
         return found + Markup(" The energy ledger closes exactly.")
@@ -111,7 +119,7 @@ def key_figures(result: Estimates) -> list[tuple[str, str, str]]:
         ("emitted", amount(ledger.emitted.value, 6) + " W", _launched(result)),
         ("rays", integer(result.rays), _count(result.batches, "batch", "batches")),
         (
-            "median relative σ",
+            result.sigma_is,
             percent(achieved) if achieved is not None else "unknown",
             f"target {percent(result.target_sigma)}: {verdict}",
         ),
@@ -141,7 +149,7 @@ def run_table(result: Estimates) -> Table:
     goal = info.goal
     goals = [
         _count(goal.batches, "batch", "batches") + " in all" if goal.batches is not None else "",
-        f"median relative σ of {percent(goal.target)}" if goal.target is not None else "",
+        f"{result.sigma_is} of {percent(goal.target)}" if goal.target is not None else "",
         f"at most {goal.max_seconds:g} s" if goal.max_seconds is not None else "",
     ]
     rate = info.interactions / info.seconds if info.seconds > 0.0 else None

@@ -94,9 +94,9 @@ def _convergence(result: Estimates, _: str) -> tuple[str, str]:
     from photizon_cl.views.figures.convergence_plot import history
 
     waves = history(result)
-    caption = "The median relative σ as the run went on, against rays and against time."
+    caption = f"The {result.sigma_is} as the run went on, against rays and against time."
     good = waves[np.isfinite(waves["sigma"]) & (waves["sigma"] > 0.0)]
-    start = f"Two graphs of the median relative σ at {len(waves)} points, against rays and seconds"
+    start = f"Two graphs of the {result.sigma_is} at {len(waves)} points, against rays and seconds"
     if not len(good):
         return start + "; none has a σ to draw.", caption
     ends = (
