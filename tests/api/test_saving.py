@@ -142,8 +142,8 @@ def test_figures_come_in_the_formats_asked_for(tmp_path):
     def suffixes():
         return sorted({p.suffix for p in (tmp_path / "figures").iterdir()})
 
-    few.save(tmp_path, formats=("svg", "pdf"))
-    assert suffixes() == [".pdf", ".svg"]
+    few.save(tmp_path, formats=("svg", "png"))
+    assert suffixes() == [".png", ".svg"]
     assert main(["report", str(tmp_path)]) == 0
     assert (tmp_path / "report.html").exists()
     few.save(tmp_path, formats="svg")

@@ -138,7 +138,7 @@ def test_lane_widths(name: str, lanes: int) -> None:
     same(name, lanes=lanes, refill=max(lanes // 4, 1), batches=3 if lanes == 1 else BATCHES)
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 16))
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1) + WIDE)
 def test_widest_and_scalar_with_other_choices(name: str, lanes: int) -> None:
     """K = 3 and stacks that grow at the widths with packets of their own kind."""
     plan = {"max_bounces": 3, "stack_rays": 1, "items": 7, "tally_parts": 1}
@@ -287,11 +287,16 @@ def test_registers_and_atomics_keep_the_same_ledger(n: int) -> None:
     assert got == [want.batches[0][row].tobytes() for row in range(10)]
 
 
-FORCED = ("tilt", "roulette", "splitting", "shares", "contact", "acceleration")
-
-
 # the scene of everything, and each effect on the box room: tests/structure/test_contract_effects.py
-@pytest.mark.parametrize(("name", "effect"), wholly("ghost-ladder", *FORCED))
+@pytest.mark.parametrize(
+    ("name", "effect"),
+    wholly("ghost-ladder", "tilt", "contact", "acceleration")
+    + [
+        pytest.param(name, effect, marks=pytest.mark.slow)
+        for name in SCENES
+        for effect in ("roulette", "splitting", "shares")
+    ],
+)
 def test_forcing_an_effect_changes_no_bit(name: str, effect: str) -> None:
     tables = everything() if name == "everything" else name
     made = compiled(

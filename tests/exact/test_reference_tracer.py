@@ -10,7 +10,9 @@ import pytest
 from oracles import gates
 
 
-@pytest.mark.parametrize("number", range(12))
+@pytest.mark.parametrize(
+    "number", [n if n > 1 else pytest.param(n, marks=pytest.mark.slow) for n in range(12)]
+)
 def test_random_scenes_agree_with_the_reference(number: int) -> None:
     # a few are turned anyhow, each with a program of its own
     gates.reference_agrees(number, rays=300, alike=number > 2)

@@ -91,7 +91,10 @@ def test_whole_paths() -> None:
     same(scene(), composition="whole-path", lanes=1)
 
 
-@pytest.mark.parametrize("effect", ["tilt", "acceleration", "shares"])
+@pytest.mark.parametrize(
+    "effect",
+    ["acceleration", *(pytest.param(e, marks=pytest.mark.slow) for e in ("tilt", "shares"))],
+)
 def test_forced_effects(effect: str) -> None:
     same(scene(frozenset({effect})))
 

@@ -151,7 +151,10 @@ def nothing(row: dict[str, Any]) -> None:
     pass
 
 
-@pytest.mark.parametrize("tilt", [LEVEL, LEAN], ids=["level", "tilted"])
+@pytest.mark.parametrize(
+    "tilt",
+    [pytest.param(LEVEL, marks=pytest.mark.slow, id="level"), pytest.param(LEAN, id="tilted")],
+)
 def test_scale_changes_nothing(tilt: tuple[float, float]) -> None:
     plain = run(nothing, tilt)
     assert min(amounts(plain)[[0, 1, 3, 4, 5]]) > 1e-4  # every wall is lit

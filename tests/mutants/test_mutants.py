@@ -484,8 +484,12 @@ BUILDS_LONG = (
     "what a ray notes of a concentrator depends on its neighbours",
     "a ray taken in turn goes on among another's boxes",
     "a disk's rim is no part of the wall that ends there",
+    "a clear face takes the place in the file that it has",
+    "scatter with cosine and sine swapped (the same law from another draw)",
+    "what roulette adds is not booked",
+    "chord of a sphere too short",
 )
-"""Mutants that are slow whatever else their gates catch: programs of many scenes or widths."""
+"""Mutants that are slow whatever else their gates catch: many programs, or long runs."""
 
 
 @cache

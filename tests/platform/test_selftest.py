@@ -18,7 +18,9 @@ def fresh(monkeypatch, tmp_path):
     return known_passes.cache_file()
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 4, 8, 16])
+@pytest.mark.parametrize(
+    "lanes", [1, 8, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 4, 16))]
+)
 def test_every_device_knows_the_answers_at_every_width(usable_devices, lanes):
     assert usable_devices
     for record in usable_devices:

@@ -24,7 +24,7 @@ def test_of_many_runs_nearly_all_end_within_what_was_told():
     """One second a batch: the batches that a target takes, told after 8, 16 and 32 of them."""
     scene = pz.load("integrating-sphere").replace({"run.rays_per_batch": 64})
     target, within, told = 0.01, 0, []
-    for seed in range(30):
+    for seed in range(14):
         run = scene.replace({"run.seed": seed})
         whole = pz.trace(run, target=target, target_on=[WALL], max_seconds=50.0)
         took = float(whole.batches)
@@ -34,7 +34,7 @@ def test_of_many_runs_nearly_all_end_within_what_was_told():
             found = forecast(whole, batches, Goal(None, target, None))
             within += found.low <= took <= found.high
             told.append(found.seconds / took)
-    assert len(told) > 40
+    assert len(told) > 25
     # 95 of 100 would be; 88 or fewer of those would be one set of seeds in a thousand
     assert within / len(told) > 0.85, (within, len(told))
     assert 0.8 < np.median(told) < 1.25

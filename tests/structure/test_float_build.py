@@ -67,7 +67,14 @@ def build_silently(device: OpenDevice, spec: ProgramSpec, lanes: int, *stages: s
 
 
 @pytest.mark.parametrize("lanes", [pytest.param(1, marks=pytest.mark.slow), 4])
-@pytest.mark.parametrize("preset", preset_names())
+@pytest.mark.parametrize(
+    "preset",
+    [
+        # the kinds of the others are in the scene of every kind
+        pytest.param(n, marks=() if n in {"box-room", "ghost-ladder"} else pytest.mark.slow)
+        for n in preset_names()
+    ],
+)
 def test_presets(device: OpenDevice, preset: str, lanes: int) -> None:
     build_silently(device, compiled(preset).tables.spec, lanes, "wave")
 
