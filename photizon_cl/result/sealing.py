@@ -43,11 +43,15 @@ def sealed(path: Path) -> bool:
     if size < 0:
         return False
     with path.open("rb") as file:
-        file.seek(size)
-        line = file.read(_LENGTH)
-    if not line.startswith(_MARK):
+        file.seek(max(size - _LENGTH, 0))
+        end = file.read(2 * _LENGTH)
+    line = end[-_LENGTH:]
+    if _MARK not in end:
         return False
-    if line[len(_MARK) :] != _digest(path, size).encode("ascii") + b"\n":
+    if (
+        not line.startswith(_MARK)
+        or line[len(_MARK) :] != _digest(path, size).encode("ascii") + b"\n"
+    ):
         raise ValueError("its bytes are not those that were written")
     return True
 

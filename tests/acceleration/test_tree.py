@@ -74,8 +74,8 @@ def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple, ste
 
 @pytest.mark.parametrize(
     ("lanes", "simple"),
-    # of every kind, forced on: tests/structure/test_contract_effects.py
-    [(16, True)]
+    # through a tree at 8 and 16 lanes, whatever is cached: tests/exact/test_digest_matrix.py
+    [pytest.param(16, True, marks=pytest.mark.slow)]
     + [pytest.param(lanes, False, marks=pytest.mark.slow) for lanes in (1, 2, 4, 8, 16)]
     + [pytest.param(lanes, True, marks=pytest.mark.slow) for lanes in (1, 2, 4)],
 )
@@ -86,7 +86,7 @@ def test_the_bits_do_not_depend_on_the_lanes(device, lanes, simple):
 
 @pytest.mark.parametrize(
     ("lanes", "simple"),
-    [(16, True), *(pytest.param(lanes, True, marks=pytest.mark.slow) for lanes in (2, 8))]
+    [pytest.param(lanes, True, marks=pytest.mark.slow) for lanes in (2, 8, 16)]
     + [pytest.param(lanes, False, marks=pytest.mark.slow) for lanes in (2, 8, 16)],
 )
 def test_the_bits_do_not_depend_on_what_is_cached(device, lanes, simple):

@@ -126,7 +126,7 @@ def test_another_engines_batches_are_told_as_anothers(small, tmp_path, monkeypat
 
 
 def test_figures_and_drawings_are_not_written_over_pictures(small, tmp_path, capsys):
-    for form in ("png", "svg", "pdf"):
+    for form in ("png", "svg"):
         file = tmp_path / f"box.{form}"
         for _ in range(2):  # a drawing is replaced by a drawing
             assert main(["show", "box-room", "--rays", "2", "--out", str(file)]) == 0

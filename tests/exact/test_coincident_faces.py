@@ -223,7 +223,9 @@ def test_what_a_ray_touches_is_no_place_of_what_lies_before_it() -> None:
 # -- one outcome ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("pose", ["along the axes", "tilted, far away"])
+@pytest.mark.parametrize(
+    "pose", [pytest.param("along the axes", marks=pytest.mark.slow), "tilted, far away"]
+)
 def test_the_order_is_one_at_every_width_and_with_a_tree(pose: str) -> None:
     scene = contacts.slabs([1.5, 1.8, 1.3], 20.0, *POSES[pose], order=(5, 0, 4, 1, 3, 2))
     settings = replace(scene.run, rays_per_batch=64, generation_cap=8)

@@ -96,6 +96,7 @@ def wholly(name: str, *values: Any, rest: tuple[Any, ...] = ()) -> list[Any]:
 
 
 WIDE = [pytest.param(name, 16, marks=pytest.mark.slow) for name in SCENES]
+NARROW = [pytest.param(name, 2, marks=pytest.mark.slow) for name in SCENES]
 
 # one run for each value of each choice; lanes 4 and 16 share these rows between them
 CHOICES: dict[str, dict[str, Any]] = {
@@ -133,7 +134,7 @@ def test_choices_at_4_lanes(name: str, choice: str) -> None:
     same(name, **CHOICES[choice])
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 2, 8, rest=(8,)) + WIDE)
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 8, rest=(8,)) + WIDE + NARROW)
 def test_lane_widths(name: str, lanes: int) -> None:
     same(name, lanes=lanes, refill=max(lanes // 4, 1), batches=3 if lanes == 1 else BATCHES)
 

@@ -46,6 +46,8 @@ def test_of_more_bins_than_dots_on_paper_the_highest_is_drawn(result, few_dots):
 def test_a_single_bright_bin_is_seen_among_many(few_dots):
     made = make(tables(rectangle(name="t", detector={"map": [7, 5]})), poisson(0.0), 4)
     m = made.detectors["t"].map
+    for array in (m.irradiance, m.sigma, m.count):
+        array.flags.writeable = True  # what they say is made up here
     m.irradiance[...], m.sigma[...], m.count[...] = 0.0, np.nan, 0
     m.irradiance[1, 1], m.sigma[1, 1], m.count[1, 1] = 9.0, 1.0, 99  # no dot's middle
     figure = draw_irradiance(made, "t")
@@ -65,6 +67,8 @@ def test_a_single_bright_bin_is_seen_among_many(few_dots):
 def test_the_sigma_of_a_dot_is_that_of_bins_with_enough_rays(few_dots):
     made = make(tables(rectangle(name="t", detector={"map": [4, 4]})), poisson(0.0), 4)
     m = made.detectors["t"].map
+    for array in (m.irradiance, m.sigma, m.count):
+        array.flags.writeable = True  # what they say is made up here
     m.irradiance[...], m.sigma[...], m.count[...] = 1.0, 0.5, 5
     m.sigma[0, 1], m.count[0, 1] = 0.1, 50
     figure = draw_relative_sigma(made, "t")

@@ -178,6 +178,7 @@ PLANS = (
 )
 
 
+@pytest.mark.slow  # six programs
 def test_what_a_corner_does_to_a_ray_depends_on_no_schedule() -> None:
     """Scan and tree, one lane and many, waves and stages give the same bits, into the corners."""
     r = np.random.default_rng(15)

@@ -98,7 +98,9 @@ def test_without_many_digits_it_says_what_to_install(tmp_path: Path) -> None:
     assert "pip install mpmath" in done.stderr
 
 
-@pytest.mark.parametrize("family", ["fresnel", "sphere, chord"])
+@pytest.mark.parametrize(
+    "family", ["fresnel", pytest.param("sphere, chord", marks=pytest.mark.slow)]
+)
 def test_both_libraries_of_many_digits_measure_the_same(tmp_path: Path, family: str) -> None:
     found = [command(tmp_path, *absent, family=family) for absent in ((), ("gmpy2",))]
     assert [done.returncode for done in found] == [0, 0]

@@ -168,7 +168,7 @@ def test_a_flipped_bit_is_found_by_its_checksum(tmp_path):
     flipped = bytearray(data)
     flipped[place + 6] ^= 1
     file.write_bytes(bytes(flipped))
-    with pytest.raises(pz.ResultError, match="checksum does not fit"):
+    with pytest.raises(pz.ResultError, match="its bytes are not those that were written"):
         pz.resume(tmp_path)
 
 

@@ -135,7 +135,7 @@ def test_an_effect_that_is_forced_on_changes_no_bit(effect, name):
     forced_on(name, frozenset({effect.name}))
 
 
-@pytest.mark.parametrize("name", ["everything", *PLAIN])
+@pytest.mark.parametrize("name", [pytest.param("everything", marks=pytest.mark.slow), *PLAIN])
 def test_all_effects_that_are_forced_on_change_no_bit(name):
     assert forced_on(name, ALL_EFFECTS)
 
