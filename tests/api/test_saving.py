@@ -136,6 +136,7 @@ def test_figures_are_drawn_and_old_ones_go(room, sphere, tmp_path):
     identical(pz.open_result(tmp_path), sphere)
 
 
+@pytest.mark.slow
 def test_figures_come_in_the_formats_asked_for(tmp_path):
     few = pz.trace("lambertian-sphere", batches=2, rays_per_batch=256)
 

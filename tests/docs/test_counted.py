@@ -133,6 +133,7 @@ def runner(checkout):
     return runner
 
 
+@pytest.mark.slow
 def test_what_an_effect_counts_is_in_every_view(runner):
     folder = runner.folder
     printed = runner.command(["run", "plates.toml", "--batches", "3", *RUN, "--out", "out"])

@@ -87,6 +87,7 @@ pz.Prism
 """
 
 
+@pytest.mark.slow
 def test_type_checkers_see_every_class(tmp_path):
     file = tmp_path / "typed.py"
     file.write_text(TYPED)

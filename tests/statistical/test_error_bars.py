@@ -84,6 +84,7 @@ def test_two_sigma_hold_the_truth_in_95_of_100_groups(scores, what):
     assert np.mean(np.abs(z) < 2.0 * 1.33) > 0.97
 
 
+@pytest.mark.slow
 def test_the_error_falls_as_one_over_the_root_of_the_rays():
     """The exponent of the true error (not σ̂) against rays, over a factor of 64.
 

@@ -20,6 +20,7 @@ def forecast(result, batches, goal):
     return Forecast.of(part.compiled.layout, part.tally, goal, float(batches), 0.0)
 
 
+@pytest.mark.slow
 def test_of_many_runs_nearly_all_end_within_what_was_told():
     """One second a batch: the batches that a target takes, told after 8, 16 and 32 of them."""
     scene = pz.load("integrating-sphere").replace({"run.rays_per_batch": 64})
