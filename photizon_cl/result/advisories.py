@@ -70,8 +70,6 @@ def _short(result: Estimates) -> Iterator[str]:
 def _needed(result: Estimates, above: float) -> str:
     """Say how many batches should do; σ falls with their square root."""
     batches = max(math.ceil(result.batches * above * above), LEAST_BATCHES)
-    if batches <= result.batches:  # there are too few to stop at a target
-        batches = LEAST_BATCHES
     digits = 10 ** max(len(str(batches)) - 2, 0)
     batches = -(-batches // digits) * digits
     many = f"{batches:.1e}" if batches >= _MANY else str(batches)
@@ -119,8 +117,8 @@ def _unbelievable(result: Estimates) -> Iterator[str]:
         return
     if not result.tally.batch_values.kept:
         yield (
-            f"single batches of so long a run are not kept, so that its standard errors cannot be "
-            f"checked (that takes fewer than {result.most_kept} batches: more rays a batch)"
+            f"single batches were not kept, as in runs of more than {result.most_kept} of them and "
+            "by earlier versions, so that its standard errors cannot be checked"
         )
         return
     met = result.converged and result.info.goal.target is not None

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Checks", "Scalar"]
 
-GOOD_SIGMA: Final = 0.1
+_GOOD_SIGMA: Final = 0.1
 """Relative standard error up to which an estimate is good (MCNP's limit)."""
-GOOD_VARIANCE: Final = 0.1
+_GOOD_VARIANCE: Final = 0.1
 """Variance of the variance up to which σ is known well enough (MCNP's limit)."""
-GOOD_SHARE: Final = 0.1
+_GOOD_SHARE: Final = 0.1
 """Part of the total that the largest batch may have, or two batches' worth where they are few."""
 _EVEN: Final = 0.01
 """Part of the arrivals that at least make up σ where their weights are even enough."""
@@ -99,15 +99,15 @@ class Checks:
     @property
     def limit(self) -> float:
         """Largest variance of the variance that is good, of so many batches."""
-        return max(GOOD_VARIANCE, float(np.interp(self.batches, *_OF_NORMAL, right=0.0)))
+        return max(_GOOD_VARIANCE, float(np.interp(self.batches, *_OF_NORMAL, right=0.0)))
 
     @property
     def good(self) -> dict[str, bool]:
         """Which of them are good, by name."""
         return {
-            "relative_sigma": self.relative_sigma <= GOOD_SIGMA,
+            "relative_sigma": self.relative_sigma <= _GOOD_SIGMA,
             "variance_of_variance": self.variance_of_variance <= self.limit,
-            "largest_share": self.largest_share <= max(GOOD_SHARE, 2.0 / self.batches),
+            "largest_share": self.largest_share <= max(_GOOD_SHARE, 2.0 / self.batches),
             "effective_arrivals": self._even,
         }
 
@@ -142,7 +142,7 @@ class Checks:
         if self.believable and not self.good["relative_sigma"]:
             return (
                 f"is {100.0 * self.relative_sigma:.2g} % of it, and an error of more than "
-                f"{100.0 * GOOD_SIGMA:.0f} % is poorly known itself; run longer"
+                f"{100.0 * _GOOD_SIGMA:.0f} % is poorly known itself; run longer"
             )
         return (
             f"is made by few of {self.batches} batches (variance of the variance "

@@ -4,7 +4,7 @@ Two runs of the same seed and rays per batch launch the same random numbers: ray
 of the other start alike and part where the scenes differ. What they have in common cancels in the
 difference of a batch and its counterpart (common random numbers; Glasserman, Monte Carlo Methods in
 Financial Engineering, 2003, § 4.3 and 7.1), so the scatter of those differences is what the
-difference is known by. Of other runs the errors are independent and add in quadrature.
+difference is known by. Of other runs the errors are taken as independent and add in quadrature.
 """
 
 from __future__ import annotations
