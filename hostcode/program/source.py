@@ -141,6 +141,7 @@ def program_source(spec: ProgramSpec) -> str:
         "records": spec.records,
         "recorded": spec.recorded,
         "splits": spec.splits,
+        "pairs": spec.pairs,
         "passes": spec.passes,
         "orders": spec.orders,
         "hooks": _hooks(spec),

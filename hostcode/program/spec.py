@@ -350,6 +350,11 @@ class ProgramSpec:
         return any(part.splits for part in self.parts)
 
     @property
+    def pairs(self) -> bool:
+        """Whether a surface may give two rays, whether or not both go on."""
+        return self.splits or any(surface.splits for surface in self.surfaces)
+
+    @property
     def passes(self) -> bool:
         """Whether there are surfaces that a ray passes as if nothing were there."""
         return any(not surface.counts for surface in self.surfaces)

@@ -1,4 +1,4 @@
-## surfaces (kinds in use: .splits), splits, passes
+## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes
 // What a surface is told of a ray that meets it, and what it answers.
 //
 // Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
@@ -30,7 +30,7 @@ FN real material_number(const material_t *material, int column) {
 typedef struct {
     real dx, dy, dz, w;
     mask went_plus;
-% if splits:
+% if pairs:
     mask splits;
     real second_dx, second_dy, second_dz, second_w;
 % endif
@@ -44,7 +44,7 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
     o.dx = p->dx; o.dy = p->dy; o.dz = p->dz;
     o.w = splat(0.0);
     o.went_plus = c->came_plus;
-% if splits:
+% if pairs:
     o.splits = NO_LANES;
     o.second_dx = p->dx; o.second_dy = p->dy; o.second_dz = p->dz;
     o.second_w = splat(0.0);
@@ -60,7 +60,7 @@ FN void send_on(outcome_t *o, mask m, real dx, real dy, real dz, real w) {
     o->dx = SEL(m, dx, o->dx); o->dy = SEL(m, dy, o->dy); o->dz = SEL(m, dz, o->dz);
     o->w = SEL(m, w, o->w);
 }
-% if splits:
+% if pairs:
 
 // A second ray goes on beside it.
 FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, real w) {

@@ -129,7 +129,7 @@ def _surfaces(scene: Scene) -> Iterator[str]:
     for element in scene.element:
         for text in element.surface.advice():
             yield f'element "{element.name}" {text}'
-    splitters = [e.name for e in scene.element if e.surface.splits]
+    splitters = [e.name for e in scene.element if e.surface.splits] if scene.splits() else []
     reflectors = [e.name for e in scene.element if e.surface.reflects and not e.surface.transmits]
     run = scene.run
     growing = scene.roulette_floor() == 0.0 and run.generation_cap > _SPLITTING_CAP

@@ -143,9 +143,11 @@ def _describe(item: Described) -> str:
         value = getattr(item, name)
         if name in ("name", "surface", "detector") or value is None:
             continue
+        if parameter.silent and value == default_of(type(item), name):
+            continue
         if value in (0.0, (0.0, 0.0)) and default_of(type(item), name) == value and item.kind:
             continue
-        unit = getattr(parameter, "unit", "")
+        unit = parameter.unit
         parts.append(f"{name} {_number(value)}" + (f" {unit}" if unit else ""))
     return ", ".join(parts)
 

@@ -152,7 +152,7 @@ def _advise(scene: Scene, *, as_json: bool) -> list[str]:
 
     The JSON has them; a scene that splits without end may take all its time, so then as well.
     """
-    if as_json and not any(element.surface.splits for element in scene.element):
+    if as_json and not scene.splits():
         return []
     from photizon_cl.checks.advisories import advisories
 

@@ -205,7 +205,7 @@ class Estimates:
     def _checks(self) -> dict[str, Checks]:
         """Checks of every scalar that has some, by name."""
         layout, kept, found = self.compiled.layout, self.tally.batch_values, {}
-        splits = any(e.surface.splits for e in self.scene.element)
+        splits = self.scene.splits()
         for quantity in self._scalars.values():
             values = kept.of(quantity.first)
             if values is not None:

@@ -298,11 +298,11 @@ def _add_batches(
 def _no_batch(compiled: CompiledScene, clock: Clock) -> str:
     run = compiled.settings
     advice = "lower rays_per_batch or raise max_seconds"
-    splitter = next((e.name for e in compiled.scene.element if e.surface.splits), None)
-    if splitter is not None:
+    splitter = compiled.scene.splitter
+    if splitter is not None and compiled.scene.splits(run):
         advice = (
-            f'every hit on a surface that splits, as that of "{splitter}" does, makes two rays of '
-            "one, and where they come back to such a surface little may end them before the "
+            f'every hit on a surface that splits, as that of "{splitter.name}" does, makes two '
+            "rays of one, and where they come back to such a surface little may end them before the "
             f"generation cap of {run.generation_cap}: raise roulette_floor (1e-6, say) or lower "
             f"generation_cap; else {advice}"
         )

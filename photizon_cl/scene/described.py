@@ -115,9 +115,11 @@ class Described:
     def to_table(self) -> dict[str, Any]:
         """Return the object as a table of the file, kind after name, without what is absent."""
         values: dict[str, Any] = {}
-        for key in parameters_of(type(self)):
+        for key, parameter in parameters_of(type(self)).items():
             value = getattr(self, key)
             if value is None or (key == "tilt_deg" and value == (0.0, 0.0)):
+                continue
+            if parameter.silent and value == default_of(type(self), key):
                 continue
             if isinstance(value, Described):
                 values[key] = value.to_table()

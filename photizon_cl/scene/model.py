@@ -160,20 +160,32 @@ class Scene(Described):
         floor = (run or self.run).roulette_floor
         if floor != "auto":
             return floor
-        return _FLOOR if any(element.surface.splits for element in self.element) else 0.0
+        return _FLOOR if self.splits(run) else 0.0
+
+    @property
+    def splitter(self) -> Element | None:
+        """The first element whose surface makes two rays of one; None where there is none."""
+        return next((element for element in self.element if element.surface.splits), None)
+
+    def splits(self, run: RunSettings | None = None) -> bool:
+        """Say whether rays go on as two in this scene, run so; default `self.run`."""
+        return (run or self.run).splitting and self.splitter is not None
 
     def digest(self) -> str:
         """Return ``sha256:…`` over what determines the stream and the rows of its results.
 
         Included: every source and element with its name, in file order, the far-field bins, and
-        of ``[run]`` seed, rays_per_batch, generation_cap, roulette_floor and the effects that it
-        asks for. Left out: name, title, notes, and target_sigma, target_on and max_seconds, which
-        only decide when to stop. Defaults count as written out, an
-        automatic floor as the number that it is; floats enter by their exact hexadecimal value.
+        of ``[run]`` seed, rays_per_batch, generation_cap, roulette_floor, the effects that it
+        asks for and, where a surface splits, that rays do not. Left out: name, title, notes, and
+        target_sigma, target_on and max_seconds, which only decide when to stop. Defaults count as
+        written out, an automatic floor as the number that it is; floats enter by their exact
+        hexadecimal value.
         """
         table = {k: v for k, v in self.to_dict().items() if k not in _LABELS}
         table["run"] = {k: v for k, v in table["run"].items() if k not in _WHEN_TO_STOP}
         table["run"]["roulette_floor"] = self.roulette_floor()
+        if self.splitter is None:  # then it decides nothing
+            table["run"].pop("splitting", None)
         text = json.dumps(
             _canonical(table), sort_keys=True, separators=(",", ":"), ensure_ascii=True
         )

@@ -54,6 +54,9 @@ class Parameter(ABC):
         Its unit, empty for pure numbers.
     """
 
+    silent: bool = False
+    """Whether it is written and shown only where it is another than its default."""
+
     def __init__(self, meaning: str = "", unit: str = "") -> None:
         self.meaning = meaning
         self.unit = unit
@@ -192,6 +195,23 @@ class Choice(Parameter):
         if isinstance(value, str) and value in self._options:
             return str(value)
         return self.refuse(value, path, problems)
+
+
+class Flag(Parameter):
+    """True or false."""
+
+    silent = True
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return "true or false"
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        # numpy's booleans are no bool, and 0 and 1 are numbers
+        if not isinstance(value, bool) and type(value).__name__ not in ("bool", "bool_"):
+            hint = "without quotes" if value in ("true", "false") else ""
+            return self.refuse(value, path, problems, hint)
+        return bool(value)
 
 
 class Words(Parameter):
@@ -373,6 +393,11 @@ def signed_axis(meaning: str) -> dict[str, Parameter]:
 def choice(options: Sequence[str], meaning: str) -> dict[str, Parameter]:
     """Declare one of a few words."""
     return declare(Choice(options, meaning=meaning))
+
+
+def flag(meaning: str) -> dict[str, Parameter]:
+    """Declare true or false."""
+    return declare(Flag(meaning))
 
 
 def words(meaning: str) -> dict[str, Parameter]:

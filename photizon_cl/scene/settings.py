@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
 from photizon_cl.scene.described import ABSENT, Accepts, Described
-from photizon_cl.scene.parameters import fraction_or, integer, number, words
+from photizon_cl.scene.parameters import flag, fraction_or, integer, number, words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,6 +41,9 @@ class RunSettings(Described):
         Weight relative to the launched one below which roulette is played, in [0, 1]; 0 is off.
         ``"auto"``: 10⁻⁹ in a scene whose rays split, else 0. What splits between two faces again
         and again would else have no practical end.
+    splitting : bool
+        Whether a ray that meets a surface which splits goes on as both children; else as one of
+        them with the weight of both, chosen by chance in proportion to their weights.
     effects : tuple of str, optional
         Effects that are compiled in although nothing else in the scene calls for them, by the names
         that ``photizon kinds`` lists.
@@ -72,6 +75,10 @@ class RunSettings(Described):
         metadata=fraction_or(
             "auto", "relative weight below which roulette is played", "0 switches it off"
         ),
+    )
+    splitting: bool = field(
+        default=True,
+        metadata=flag("whether both children of a ray go on, or one that is chosen by chance"),
     )
     target_on: Accepts[Sequence[str] | None, tuple[str, ...] | None] = field(
         default=ABSENT, metadata=words("quantities that must each meet the target")

@@ -23,8 +23,10 @@ class Splitting(Effect):
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Where a surface splits."""
-        named = next((e for e in scene.element if e.surface.splits), None)
-        return f'a ray that meets "{named.name}" goes on as two' if named else None
+        named = scene.splitter
+        if named is None or not settings.splitting:
+            return None
+        return f'a ray that meets "{named.name}" goes on as two'
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the path position that every draw is keyed by."""

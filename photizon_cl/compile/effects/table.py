@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.compile.effects.acceleration import Acceleration
+from photizon_cl.compile.effects.choice import Choice
 from photizon_cl.compile.effects.coincidence import Coincidence
 from photizon_cl.compile.effects.contact import Contact
 from photizon_cl.compile.effects.detector import Detector
@@ -28,6 +29,7 @@ __all__ = ["EFFECTS", "EFFECT_ROWS", "EffectRow"]
 
 EFFECTS: Final[tuple[Effect, ...]] = (
     Splitting(),
+    Choice(),
     Shares(),
     Roulette(),
     Tilt(),
