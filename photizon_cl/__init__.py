@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from photizon_cl.errors import SceneError as SceneError
     from photizon_cl.errors import UnknownNameError as UnknownNameError
     from photizon_cl.result.comparison import Comparison as Comparison
+    from photizon_cl.result.cost import CostStudy as CostStudy
     from photizon_cl.result.paths import Paths as Paths
     from photizon_cl.run.comparing import compare as compare
     from photizon_cl.run.drawing import draw as draw
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
     from photizon_cl.scene.settings import FarField as FarField
     from photizon_cl.scene.settings import RunSettings as RunSettings
+    from photizon_cl.studies.costing import cost as cost
     from photizon_cl.views import figures as figures
 
 _MODULE_OF: Final[dict[str, str]] = {
@@ -59,9 +61,11 @@ _MODULE_OF: Final[dict[str, str]] = {
     "paths": "photizon_cl.run.pathing",
     "open_result": "photizon_cl.run.result",
     "compare": "photizon_cl.run.comparing",
+    "cost": "photizon_cl.studies.costing",
     # what comes out
     "Result": "photizon_cl.run.result",
     "Comparison": "photizon_cl.result.comparison",
+    "CostStudy": "photizon_cl.result.cost",
     "Paths": "photizon_cl.result.paths",
     "Recipe": "photizon_cl.run.recipe",
     # what goes in, besides the kinds

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from rich.text import Text
 
@@ -15,23 +15,25 @@ if TYPE_CHECKING:
 
     from photizon_cl.run.progress import Progress
 
-__all__ = ["Display", "progress_line"]
+__all__ = ["Display", "Lines", "progress_line"]
 
 
-class Display:
+class _Line:
     """One line on standard error that is redrawn; silent where that is no terminal."""
+
+    starts = "building the program, tracing the first batch …"
 
     def __init__(self, title: str) -> None:
         self.title = printable(title)
         self.live: Any = None
 
-    def __enter__(self) -> Display:
+    def __enter__(self) -> Self:
         err = console(stderr=True)
         if err.is_terminal:
             from rich.live import Live
 
             self.live = Live(
-                Text(f"{self.title}: building the program, tracing the first batch …"),
+                Text(f"{self.title}: {self.starts}"),
                 console=err,
                 refresh_per_second=8,
                 transient=True,
@@ -49,10 +51,29 @@ class Display:
             with suppress(OSError):  # a terminal that is gone
                 self.live.stop()
 
+    def show(self, text: str) -> None:
+        """Show a line in place of the last one."""
+        if self.live is not None:
+            self.live.update(Text(text))
+
+
+class Display(_Line):
+    """How far a run is."""
+
     def update(self, now: Progress) -> None:
         """Show how far the run is."""
         if self.live is not None:
-            self.live.update(Text(progress_line(now)))
+            self.show(progress_line(now))
+
+
+class Lines(_Line):
+    """What a study is doing."""
+
+    starts = "…"
+
+    def update(self, text: str) -> None:
+        """Show what is being done."""
+        self.show(f"{self.title}: {printable(text)}")
 
 
 def progress_line(now: Progress) -> str:

@@ -274,6 +274,15 @@ def _accounted(layout: TallyLayout, absorbed: int, others: Sequence[int]) -> int
     return absorbed + sum(row.sign * amount for row, amount in pairs)
 
 
+def closure_of(compiled: CompiledScene, cells: NDArray[np.int64] | SparseTally) -> int:
+    """Return |closure| of a batch in units of 2^-95 launched weights."""
+    layout = compiled.layout
+    n = layout.n_elements
+    absorbed, _ = exact_sum(some_of(cells, 0, n))
+    others = exact(whole_of(cells, n, layout.n_rows - n))
+    return abs(compiled.emitted - _accounted(layout, absorbed, others))
+
+
 def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64] | SparseTally) -> int:
     """Check a batch's ledger and return |closure| in units of 2^-95 launched weights.
 
@@ -293,10 +302,7 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64] | 
         exactly what escaped, or a detector shows more than its element absorbed.
     """
     layout = compiled.layout
-    n = layout.n_elements
-    absorbed, _ = exact_sum(some_of(cells, 0, n))
-    others = exact(whole_of(cells, n, layout.n_rows - n))
-    closure = abs(compiled.emitted - _accounted(layout, absorbed, others))
+    closure = closure_of(compiled, cells)
     if closure > CLOSURE_LIMIT * compiled.emitted:
         part = float(Fraction(closure, compiled.emitted))
         raise RunError(

@@ -302,9 +302,9 @@ def _no_batch(compiled: CompiledScene, clock: Clock) -> str:
     if splitter is not None and compiled.scene.splits(run):
         advice = (
             f'every hit on a surface that splits, as that of "{splitter.name}" does, makes two '
-            "rays of one, and where they come back to such a surface little may end them before the "
-            f"generation cap of {run.generation_cap}: raise roulette_floor (1e-6, say) or lower "
-            f"generation_cap; else {advice}"
+            "rays of one, and where they come back to such a surface little may end them before "
+            f"the generation cap of {run.generation_cap}: raise roulette_floor (1e-6, say) or "
+            f"lower generation_cap; else {advice}"
         )
     return (
         f"not one batch of {run.rays_per_batch} rays ended within {clock.elapsed():.0f} s "

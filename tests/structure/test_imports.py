@@ -26,8 +26,9 @@ PRODUCT = {
     "result": "scene geometry checks compile",
     "views": "scene geometry checks compile result",
     "run": "scene geometry checks compile result views",
+    "studies": "scene geometry checks compile result views run",
     "stability": "scene geometry checks compile result views run",
-    "cli": "scene geometry checks compile result views run stability",
+    "cli": "scene geometry checks compile result views run studies stability",
 }
 
 # hostcode never imports photizon_cl.
@@ -42,6 +43,7 @@ ACROSS = {
     "compile": "errors program run",
     "result": "assets run",
     "run": "errors device program run",
+    "studies": "errors device run",
     "stability": "device run",
     "cli": "errors device",
 }

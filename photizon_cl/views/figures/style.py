@@ -25,7 +25,7 @@ from photizon_cl.views.figures.words import fitted, percent, wrapped
 from photizon_cl.views.shown import ShownFigure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
     import numpy as np
@@ -45,6 +45,7 @@ __all__ = [
     "SMALL",
     "WIDTH",
     "Page",
+    "blank",
     "check_figure",
     "is_figure",
     "judged_by",
@@ -273,7 +274,23 @@ def sheet(
         lines += [(line, *style) for line in wrapped(text, SMALL, room, style[1], 2)]
     for note in notes or []:
         lines += [(line, QUIET, "normal") for line in wrapped(note, SMALL, room, "normal", 3)]
-    title = wrapped(result.scene.heading, _TITLE, room, "bold", 2)
+    return blank(result.scene.heading, what, body, lines)
+
+
+def blank(heading: str, what: str, body: float, lines: Sequence[tuple[str, str, str]]) -> Page:
+    """Begin a figure of anything.
+
+    Parameters
+    ----------
+    heading, what : str
+        Its title, and what it shows, below.
+    body : float
+        Inches that the body needs at least.
+    lines : sequence of (str, str, str)
+        Of the footer, each with its colour and weight.
+    """
+    room = WIDTH - 2.0 * _MARGIN
+    title = wrapped(heading, _TITLE, room, "bold", 2)
     below = fitted(what, LABEL, room)
     head = _MARGIN + 0.19 * len(title) + 0.2 + 0.1
     foot = _MARGIN + 0.155 * len(lines) + 0.05

@@ -1,0 +1,1 @@
+"""Studies: many traces of one scene, for what they say together."""

@@ -1,0 +1,291 @@
+"""The study of what accuracy costs in time."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from typing import TYPE_CHECKING, Any, Final
+
+from hostcode.errors import Abandoned, HostError
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.quantities import quantity_of
+from photizon_cl.errors import ArgumentError, PhotizonError, RunError
+from photizon_cl.result.cost import CostStudy
+from photizon_cl.result.cost_advice import advice
+from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
+from photizon_cl.run.batches import with_settings
+from photizon_cl.run.interruption import interruptible
+from photizon_cl.run.pilot import pilot
+from photizon_cl.scene.files import load
+from photizon_cl.scene.parameter_paths import quoted
+from photizon_cl.studies.knobs import KNOBS, Option, as_it_stands
+from photizon_cl.studies.trial import Trial
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Mapping
+
+    from hostcode.device.device import DeviceRecord
+    from photizon_cl.scene.model import Scene
+
+__all__ = ["cost"]
+
+_SECONDS: Final = 120.0
+_TURNS: Final = 12
+"""Turns that each setting has: a moment in which the machine is slow meets all of them."""
+_LEAST: Final = 256
+"""Batches that each setting should have at least: σ² is known to 9 % by so many."""
+_FEWEST_RAYS: Final = 2048
+"""Rays of a batch that it is not made smaller than for their sake."""
+_PATIENCE: Final = 20.0
+"""Times as long as the scene as it stands that a setting may take for a batch."""
+
+
+def cost(
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    quantity: str | None = None,
+    max_seconds: float = _SECONDS,
+    seed: int | None = None,
+    device: DeviceRecord | str | int | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> CostStudy:
+    """Study what accuracy costs in time on a device: which settings trade how much of it.
+
+    Traces the scene with its own settings and with others, one changed at a time, in turns; each
+    has its σ, its bias against the most careful one by common random numbers, and its seconds.
+
+    Parameters
+    ----------
+    scene : Scene, str, path or mapping
+        A scene, or what `photizon_cl.load` makes one of.
+    quantity : str, optional
+        A scalar, ``detectors.floor.power``; default the first scalar of the scene's ``target_on``,
+        else the power of its first detector, with a map where there is one, else what escapes.
+    max_seconds : float, optional
+        For all of it, in (0, 1e9]; building programs may take longer.
+    seed : int, optional
+        The random stream; default the scene's.
+    device : DeviceRecord, str or int, optional
+        As in `photizon_cl.trace`.
+    progress : callable, optional
+        Given a line now and then.
+
+    Returns
+    -------
+    CostStudy
+
+    Raises
+    ------
+    SceneError, ArgumentError
+        Where the scene or an argument is not valid.
+    RunError
+        Where there is no usable device, or the scene as it stands cannot be traced in the time.
+
+    Examples
+    --------
+    >>> import photizon_cl as pz
+    >>> study = pz.cost("integrating-sphere", max_seconds=20)  # doctest: +SKIP
+    >>> study.advice  # doctest: +SKIP
+    """
+    as_run = with_settings(load(scene), seed=seed, max_seconds=max_seconds)
+    return _Study(as_run, quantity, device, progress or (lambda _: None)).run()
+
+
+class _Study:
+    """A study under way.
+
+    Parameters
+    ----------
+    scene : Scene
+        With the study's seed, and its seconds as ``max_seconds``.
+    quantity, device, progress
+        As `cost` takes them.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        quantity: str | None,
+        device: DeviceRecord | str | int | None,
+        progress: Callable[[str], object],
+    ) -> None:
+        self.given = scene
+        self.digest = scene.digest()
+        self.device = str(device) if isinstance(device, int) else device
+        self.progress = progress
+        self.start = time.perf_counter()
+        self.seconds = scene.run.max_seconds
+        self.quantity = _checked(scene, quantity)
+        self.left_out: list[tuple[str, str]] = []
+        self.interrupted: Callable[[], bool] = lambda: False
+
+    def run(self) -> CostStudy:
+        """Make the study."""
+        with interruptible() as self.interrupted:
+            return self._run()
+
+    def _run(self) -> CostStudy:
+        first = self._opened(as_it_stands(self.given))
+        self._advance(first, 1)
+        if not first.batches:
+            if self.interrupted():
+                raise KeyboardInterrupt
+            raise RunError(
+                f"not one batch of {self.given.run.rays_per_batch} rays ended within "
+                f"{self.elapsed():.0f} s: raise max_seconds or lower rays_per_batch"
+            )
+        cap, known = self._reference_cap()
+        scene, first = self._smaller(first, cap)
+        options = [o for knob in KNOBS for o in knob(scene, cap)]
+        reference = first
+        trials = [first]
+        for option in options:
+            if self._over(0.5) and option.value != cap:
+                self.left_out.append((option.name, "no time was left to build its program"))
+                continue
+            try:
+                trial = self._opened(option)
+                self._advance(trial, 1, within=_PATIENCE * first.pace)
+            except (PhotizonError, HostError, MemoryError) as error:
+                self.left_out.append((option.name, str(error) or "no memory is left for it"))
+                continue
+            if not trial.batches:
+                why = f"a batch takes more than {_PATIENCE:g} times as long as with fp64"
+                self.left_out.append((option.name, why))
+                continue
+            trials.append(trial)
+            if option.knob == "generation_cap" and option.value == cap:
+                reference = trial
+        self._take_turns(trials, reference)
+        return self._told(trials, first, reference, known)
+
+    def elapsed(self) -> float:
+        """Return the seconds so far."""
+        return time.perf_counter() - self.start
+
+    def _over(self, part: float = 1.0) -> bool:
+        return self.interrupted() or self.elapsed() > part * self.seconds
+
+    def _opened(self, option: Option) -> Trial:
+        self.progress(f"{option.name}: building its program")
+        return Trial(option, self.quantity, self.device)
+
+    def _advance(self, trial: Trial, n: int, within: float | None = None) -> None:
+        """Trace batches, unless time is over on the way."""
+        until = None if within is None else time.perf_counter() + within
+        try:
+            trial.advance(
+                n, lambda: self._over() or (until is not None and time.perf_counter() > until)
+            )
+        except Abandoned:
+            return
+
+    def _reference_cap(self) -> tuple[int, Pilot | None]:
+        """Return the generation cap that leaves next to nothing, by a pilot."""
+        own = self.given.run.generation_cap
+        self.progress("following a pilot's rays, for the generation cap")
+        try:
+            found = pilot(self.given, self.device, stop=self.interrupted)
+        except (PhotizonError, HostError, MemoryError):
+            return own, None
+        for cap, left in found.left:
+            if cap >= own and left <= NEGLIGIBLE:
+                return cap, found
+        needed = found.needed_cap
+        return (max(found.left[-1][0], own) if needed is None else max(needed, own)), found
+
+    def _smaller(self, first: Trial, cap: int) -> tuple[Scene, Trial]:
+        """Take fewer rays a batch where the time would not do for enough batches."""
+        scene = self.given
+        options = 2 + sum(1 for knob in KNOBS for _ in knob(scene, cap))
+        share = 0.7 * (self.seconds - self.elapsed()) / options
+        rays = least = scene.run.rays_per_batch
+        pace = first.pace
+        while pace * rays / least * _LEAST > share and rays // 2 >= max(
+            _FEWEST_RAYS, len(scene.source)
+        ):
+            rays //= 2
+        if rays == scene.run.rays_per_batch:
+            return scene, first
+        scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, rays_per_batch=rays))
+        trial = self._opened(as_it_stands(scene))
+        self._advance(trial, 1)
+        return (scene, trial) if trial.batches else (self.given, first)
+
+    def _take_turns(self, trials: list[Trial], reference: Trial) -> None:
+        """Trace all settings in turn until the time is over."""
+        left = max(self.seconds - self.elapsed(), 0.0)
+        turn = left / (_TURNS * (len(trials) + 1))
+        number = 0
+        while not self._over():
+            number += 1
+            self.progress(f"turn {number}, {self.elapsed():.0f} of {self.seconds:.0f} s")
+            # every other turn goes backwards, so that none is always the first
+            order = trials if number % 2 else trials[::-1]
+            for trial in order:
+                # a bias is known by the batches that both have
+                times = 2.0 if trial is reference else 1.0
+                n = max(round(times * turn / trial.pace), 1)
+                if self.elapsed() + 0.5 * n * trial.pace > self.seconds and trial.batches > 1:
+                    continue
+                self._advance(trial, n)
+                if self._over():
+                    return
+            if self.elapsed() + 0.5 * turn > self.seconds:
+                return
+
+    def _told(
+        self, trials: list[Trial], first: Trial, reference: Trial, known: Pilot | None
+    ) -> CostStudy:
+        rows = tuple(trial.row(reference) for trial in trials)
+        study = CostStudy(
+            scene=self.given.name,
+            scene_digest=self.digest,
+            device=first.engine.device.record.label,
+            quantity=self.quantity,
+            given=first.option.name,
+            reference=reference.option.name,
+            rays_per_batch=first.compiled.settings.rays_per_batch,
+            seed=first.compiled.settings.seed,
+            seconds=self.elapsed(),
+            settings=rows,
+            left_out=tuple(self.left_out),
+        )
+        more = []
+        cap = reference.compiled.settings.generation_cap
+        left = dict(known.left).get(cap, 0.0) if known is not None else 0.0
+        if left > NEGLIGIBLE:
+            more.append(
+                f"the reference's own cap of {cap} still cuts {100.0 * left:.2g} % of the emitted "
+                f"power: {known.remedy()}"
+                if known is not None
+                else ""
+            )
+        return dataclasses.replace(study, advice=(*advice(study), *more))
+
+
+def _checked(scene: Scene, name: str | None) -> str:
+    """Return the quantity of a study, by the name that it has everywhere.
+
+    Raises
+    ------
+    ArgumentError
+        Where it is none, or has many bins.
+    """
+    layout = compile_scene(scene, scene.run).layout
+    if name is not None:
+        found = quantity_of(name, scene, layout)
+        if found.bins:
+            raise ArgumentError(
+                f"quantity: found {found.name}, which has many bins, expected one number such as "
+                "detectors.NAME.power, whose bias can be told"
+            )
+        return found.name
+    for asked in scene.run.target_on or ():
+        found = quantity_of(asked, scene, layout)
+        if not found.bins:
+            return found.name
+    for d in sorted(layout.detectors, key=lambda d: not d.nx):
+        return f"detectors.{quoted(scene.element[d.element].name)}.power"
+    return "ledger.escaped"

@@ -1,0 +1,94 @@
+"""What trades truth for time: the settings that a cost study tries."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from typing import TYPE_CHECKING, Any, Final
+
+from photizon_cl.scene.settings import MAX_GENERATION_CAP, MAX_RAYS_PER_BATCH
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from photizon_cl.scene.model import Scene
+
+__all__ = ["KNOBS", "Option", "as_it_stands"]
+
+_FLOORS: Final = (0.0, 1e-6, 1e-3, 0.1)
+_ENDLESS: Final = 64
+"""Generations beyond which splitting without roulette is not tried: it need not end."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Option:
+    """A setting to be tried.
+
+    Parameters
+    ----------
+    name : str
+        Short and different for each.
+    knob : str
+        What is changed.
+    value : str, int, float or bool
+        To what.
+    written : str
+        How a user asks for it; empty where only a study can.
+    scene : Scene
+        The scene with it in its ``[run]``.
+    """
+
+    name: str
+    knob: str
+    value: str | int | float | bool
+    written: str
+    scene: Scene
+
+
+def as_it_stands(scene: Scene) -> Option:
+    """Return the scene's own settings as an option."""
+    return Option("fp64", "precision", "fp64", "", scene)
+
+
+def _with(scene: Scene, knob: str, value: Any, name: str) -> Option:
+    """Return the option of a setting of the scene's ``[run]``."""
+    changed = dataclasses.replace(scene, run=dataclasses.replace(scene.run, **{knob: value}))
+    return Option(name, knob, value, f"{knob} = {json.dumps(value)}", changed)
+
+
+def _roulette(scene: Scene, cap: int) -> Iterator[Option]:
+    own = scene.roulette_floor()
+    for floor in _FLOORS:
+        endless = floor == 0.0 and scene.splits() and scene.run.generation_cap > _ENDLESS
+        if floor != own and not endless:
+            yield _with(scene, "roulette_floor", floor, f"roulette {floor:g}")
+
+
+def _cap(scene: Scene, cap: int) -> Iterator[Option]:
+    own = scene.run.generation_cap
+    for value in sorted({max(own // 4, 1), max(own // 2, 1), cap}):
+        if value != own and value <= MAX_GENERATION_CAP:
+            yield _with(scene, "generation_cap", value, f"cap {value}")
+
+
+def _splitting(scene: Scene, cap: int) -> Iterator[Option]:
+    if scene.splitter is not None:
+        other = not scene.run.splitting
+        yield _with(scene, "splitting", other, "both children" if other else "one child")
+
+
+def _batch(scene: Scene, cap: int) -> Iterator[Option]:
+    own = scene.run.rays_per_batch
+    for value in (own // 8, own * 8):
+        if max(len(scene.source), 1) <= value <= MAX_RAYS_PER_BATCH:
+            yield _with(scene, "rays_per_batch", value, f"batches of {value}")
+
+
+KNOBS: Final[tuple[Callable[[Scene, int], Iterator[Option]], ...]] = (
+    _roulette,
+    _cap,
+    _splitting,
+    _batch,
+)
+"""Each gives the options of one knob, of a scene as it stands and the generation cap of the
+reference."""
