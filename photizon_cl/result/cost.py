@@ -82,7 +82,8 @@ class CostSetting:
     estimate : float
         The quantity in watts.
     sigma : float or None
-        Its standard error; None where fewer than two batches tell.
+        Its standard error; None where fewer than two batches tell. Of a map or far field, whose sum
+        is `estimate`, the median relative one over the lit bins, times that.
     bias, bias_sigma : float or None
         Its difference from the reference setting in watts, and that one's standard error.
     paired : bool

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from hostcode.errors import Abandoned, HostError
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.quantities import quantity_of
-from photizon_cl.errors import ArgumentError, PhotizonError, RunError
+from photizon_cl.errors import PhotizonError, RunError
 from photizon_cl.result.cost import CostStudy
 from photizon_cl.result.cost_advice import advice
 from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
@@ -60,8 +60,10 @@ def cost(
     scene : Scene, str, path or mapping
         A scene, or what `photizon_cl.load` makes one of.
     quantity : str, optional
-        A scalar, ``detectors.floor.power``; default the first scalar of the scene's ``target_on``,
-        else the power of its first detector, with a map where there is one, else what escapes.
+        ``detectors.floor.power``, say; default the first of the scene's ``target_on``, else the
+        power of its first detector, with a map where there is one, else what escapes. Of a map or
+        the far field σ is the median relative one over the lit bins, as a run's target has it, and
+        the bias that of their sum.
     max_seconds : float, optional
         For all of it, in (0, 1e9]; building programs may take longer.
     seed : int, optional
@@ -271,21 +273,13 @@ def _checked(scene: Scene, name: str | None) -> str:
     Raises
     ------
     ArgumentError
-        Where it is none, or has many bins.
+        Where it is none.
     """
     layout = compile_scene(scene, scene.run).layout
     if name is not None:
-        found = quantity_of(name, scene, layout)
-        if found.bins:
-            raise ArgumentError(
-                f"quantity: found {found.name}, which has many bins, expected one number such as "
-                "detectors.NAME.power, whose bias can be told"
-            )
-        return found.name
+        return quantity_of(name, scene, layout).name
     for asked in scene.run.target_on or ():
-        found = quantity_of(asked, scene, layout)
-        if not found.bins:
-            return found.name
+        return quantity_of(asked, scene, layout).name
     for d in sorted(layout.detectors, key=lambda d: not d.nx):
         return f"detectors.{quoted(scene.element[d.element].name)}.power"
     return "ledger.escaped"

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from hostcode.run.tally import exact, whole_of
+from hostcode.run.tally import exact, values, whole_of
 from hostcode.run.usual import usual_plan
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.quantities import quantity_of
 from photizon_cl.result.cost import ROUNDING, TARGETS, CostSetting, TargetTime
 from photizon_cl.result.ledger import closure_of, watts
-from photizon_cl.result.statistics import complete
+from photizon_cl.result.statistics import LIT_COUNT, complete
 from photizon_cl.result.stopping import LEAST_BATCHES
 from photizon_cl.run.distribution import compute, make_engine, open_chosen
 from photizon_cl.run.memory import check_memory
@@ -25,12 +25,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hostcode.device.device import DeviceRecord
+    from hostcode.run.tally import SparseTally
+    from photizon_cl.compile.layout import Quantity, TallyLayout
     from photizon_cl.studies.knobs import Option
+
+    Curve = tuple[tuple[int, float], ...]
 
 __all__ = ["Trial"]
 
 _POINTS: Final = 24
 """Points of a curve of σ over seconds."""
+_DENSE: Final = 1.02
+"""Times as many batches behind which the σ of bins is asked for again."""
 
 
 class Trial:
@@ -55,7 +61,10 @@ class Trial:
         self.option = option
         self.compiled = compile_scene(option.scene, option.scene.run)
         tables = self.compiled.tables
-        self.cell = quantity_of(quantity, option.scene, self.compiled.layout).first
+        layout = self.compiled.layout
+        found = quantity_of(quantity, option.scene, layout)
+        self.cell = total_of(found, layout)
+        self.bins = Bins(found.first, found.bins) if found.bins else None
         record = open_chosen(device).record
         plan = check_memory(self.compiled, record, usual_plan(record, tables), saved=False)
         self.engine = make_engine(device, tables, plan)
@@ -96,12 +105,14 @@ class Trial:
         chunk = compute(self.engine, self.batches, n)
         took = time.perf_counter() - start
         before = self.seconds
+        layout = self.compiled.layout
         for number, cells in enumerate(chunk.cells):
             whole = complete(self.compiled.layout, cells)
             self.worst = max(self.worst, closure_of(self.compiled, whole))
             (total,) = exact(whole_of(whole, self.cell, 1))
             self.totals.append(total)
-            layout = self.compiled.layout
+            if self.bins is not None:
+                self.bins.add(whole)
             self.interactions += int(whole_of(whole, layout.interactions, 1)[0, 3])
             self.times.append(before + took * (number + 1) / n)
 
@@ -111,11 +122,11 @@ class Trial:
 
     def row(self, reference: Trial) -> CostSetting:
         """Return what it gave."""
-        n, values = self.batches, self.values()
+        n, each = self.batches, self.values()
         mean = watts(self.compiled, sum(self.totals), n)
-        sigma = _error(values) if n > 1 else None
+        curve = _curve(each, mean) if self.bins is None else self.bins.curve()
+        sigma = curve[-1][1] * abs(mean) if n > 1 and math.isfinite(curve[-1][1]) else None
         bias, bias_sigma, paired = self._bias(reference)
-        relative = _relative_sigmas(values, mean)
         return CostSetting(
             name=self.option.name,
             knob=self.option.knob,
@@ -132,8 +143,8 @@ class Trial:
             bias_sigma=bias_sigma,
             paired=paired,
             closure=float(self.worst / self.compiled.emitted),
-            targets=tuple(self._to(target, relative) for target in TARGETS),
-            points=self._points(relative),
+            targets=tuple(self._to(target, curve) for target in TARGETS),
+            points=self._points(curve),
         )
 
     def _bias(self, reference: Trial) -> tuple[float | None, float | None, bool]:
@@ -148,32 +159,90 @@ class Trial:
             return float(apart.mean()), _error(apart), True
         return float(x.mean() - y.mean()), math.hypot(_error(x), _error(y)), False
 
-    def _to(self, target: float, relative: NDArray[np.float64]) -> TargetTime:
+    def _to(self, target: float, curve: Curve) -> TargetTime:
         """Return the seconds to a target, measured and predicted."""
-        n, times = self.batches, self.times
-        met = np.flatnonzero(relative[LEAST_BATCHES - 1 :] <= target)
-        measured, half = None, n
-        if len(met):
-            reached = int(met[0]) + LEAST_BATCHES
-            measured, half = times[reached - 1], max(reached // 2, LEAST_BATCHES)
-        if n < LEAST_BATCHES or not math.isfinite(relative[half - 1]):
+        known = [(n, sigma) for n, sigma in curve if n >= LEAST_BATCHES]
+        if not known:
+            return TargetTime(target, None, None)
+        reached = next((n for n, sigma in known if sigma <= target), None)
+        measured, half = None, known[-1]
+        if reached is not None:
+            measured = self.times[reached - 1]
+            half = next(one for one in known if 2 * one[0] >= reached)
+        n, sigma = half
+        if not math.isfinite(sigma):
             return TargetTime(target, None, measured)
-        needed = max(half * (relative[half - 1] / target) ** 2, float(LEAST_BATCHES))
-        return TargetTime(target, times[half - 1] / half * needed, measured)
+        needed = max(n * (sigma / target) ** 2, float(LEAST_BATCHES))
+        return TargetTime(target, self.times[n - 1] / n * needed, measured)
 
-    def _points(self, relative: NDArray[np.float64]) -> tuple[tuple[float, float], ...]:
-        n = self.batches
-        at = np.unique(np.geomspace(min(LEAST_BATCHES, n), n, _POINTS).astype(int))
-        found = [(self.times[k - 1], float(relative[k - 1])) for k in at]
+    def _points(self, curve: Curve) -> tuple[tuple[float, float], ...]:
+        """Return seconds and σ at some of the batches, evenly on a logarithmic axis."""
+        known = [(n, sigma) for n, sigma in curve if n >= min(LEAST_BATCHES, self.batches)]
+        wanted = np.geomspace(known[0][0], known[-1][0], _POINTS)
+        at = np.unique(np.searchsorted([n for n, _ in known], np.floor(wanted)))
+        found = [(self.times[n - 1], sigma) for n, sigma in (known[k] for k in at)]
         return tuple((t, s) for t, s in found if math.isfinite(s) and s > ROUNDING)
+
+
+class Bins:
+    """Relative σ of many bins: the median over those that are lit, as a run's target has it.
+
+    Parameters
+    ----------
+    first, n : int
+        First cell, and number of bins.
+    """
+
+    def __init__(self, first: int, n: int) -> None:
+        self.first, self.n = first, n
+        self._sum, self._square = np.zeros(n), np.zeros(n)
+        self._counts = np.zeros(n, np.int64)
+        self._batches, self._next = 0, 1
+        self._curve: list[tuple[int, float]] = []
+
+    def add(self, cells: NDArray[np.int64] | SparseTally) -> None:
+        """Add a batch, in canonical form."""
+        found = whole_of(cells, self.first, self.n)
+        each = values(found)
+        self._sum += each
+        self._square += each * each
+        self._counts += found[:, 3]
+        self._batches += 1
+        if self._batches >= self._next:
+            self._curve.append((self._batches, self._median()))
+            self._next = max(self._batches + 1, math.floor(self._batches * _DENSE))
+
+    def curve(self) -> Curve:
+        """Return batches, and the relative σ behind them."""
+        if not self._curve or self._curve[-1][0] < self._batches:
+            self._curve.append((self._batches, self._median()))
+        return tuple(self._curve)
+
+    def _median(self) -> float:
+        n, lit = self._batches, self._counts >= LIT_COUNT
+        if n < 2 or not lit.any():
+            return math.inf
+        mean = self._sum[lit] / n
+        square = np.maximum(self._square[lit] / n - mean * mean, 0.0)
+        return float(np.median(np.sqrt(square / (n - 1)) / mean))
+
+
+def total_of(quantity: Quantity, layout: TallyLayout) -> int:
+    """Return the cell of a quantity, or the one that has the sum of its bins."""
+    if not quantity.bins:
+        return quantity.first
+    for d in layout.detectors:
+        if d.nx and d.map == quantity.first:
+            return d.power
+    return layout.escaped
 
 
 def _error(values: NDArray[np.float64]) -> float:
     return float(values.std(ddof=1)) / math.sqrt(len(values))
 
 
-def _relative_sigmas(values: NDArray[np.float64], value: float) -> NDArray[np.float64]:
-    """Return the standard error behind each batch over the final value; not finite where none is.
+def _curve(values: NDArray[np.float64], value: float) -> Curve:
+    """Return batches, and the standard error behind them over the final value.
 
     Over the final value, and not that of so far: else a curve of few arrivals would begin low.
     """
@@ -182,7 +251,7 @@ def _relative_sigmas(values: NDArray[np.float64], value: float) -> NDArray[np.fl
     mean = np.cumsum(shifted) / n
     square = np.maximum(np.cumsum(shifted * shifted) / n - mean * mean, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        sigma = np.sqrt(square / (n - 1))
-        found: NDArray[np.float64] = sigma / abs(value)
+        found = np.sqrt(square / (n - 1)) / abs(value)
     found[0] = np.inf
-    return found
+    found[~np.isfinite(found)] = np.inf
+    return tuple(zip(n.tolist(), found.tolist(), strict=True))
