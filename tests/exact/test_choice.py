@@ -1,0 +1,194 @@
+"""``splitting = false``: one of two children goes on, with the weight of both."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from fractions import Fraction
+
+import pytest
+from oracles.engine import PLAN, compiled, scene_of, trace, trace_compiled, with_tree
+from oracles.scenes import BLACK, beam, cube, glass, matt, wall
+
+import photizon_cl as pz
+from hostcode import templates
+from hostcode.program import build
+from hostcode.program.source import program_source
+from photizon_cl.compile.compiled import compile_scene
+
+RAYS = 1 << 14
+
+
+def mixed(specular, diffuse):
+    return {"surface": {"kind": "mixed", "specular": specular, "diffuse": diffuse}}
+
+
+def pane(index=1.5):
+    """A pane between a beam and two black walls, one on either side."""
+    ends = [{**wall((0, 0, z), axis), **BLACK} for z, axis in ((2, "-z"), (-1, "+z"))]
+    return scene_of(
+        [beam((0, 0, 0), "+z", 1e-3)], [{**wall((0, 0, 1), "-z"), **glass(index)}, *ends]
+    )
+
+
+def room(surface):
+    lamp = {"kind": "isotropic-point", "flux": 1.0, "position": [0.1, -0.2, 0.3]}
+    return scene_of([lamp], cube(surface))
+
+
+def chooses():
+    """Each ray goes one way, whole, and as often as the reflectance says: 0.04 here."""
+    found = trace(pane(), rays_per_batch=RAYS, splitting=False)
+    assert found.closures() == [0]
+    reflected, sent = found.absorbed("element 2"), found.absorbed("element 1")
+    # whole rays: nothing is split, and nothing rounded
+    assert reflected.denominator == sent.denominator == 1
+    assert reflected + sent == RAYS
+    assert found.interactions == 2 * RAYS
+    # 5 sigma: a false alarm in 1.7 million
+    assert abs(reflected - 0.04 * RAYS) < 5.0 * math.sqrt(RAYS * 0.04 * 0.96)
+
+
+def takes_its_share():
+    """A surface that splits and absorbs takes exactly what it takes of rays that split."""
+    found = trace(room(mixed(0.25, 0.5)), rays_per_batch=512, generation_cap=7, splitting=False)
+    kept = Fraction(3, 4) ** 7
+    assert found.closures() == [0]
+    assert found.depth_capped == 512 * kept
+    assert sum(found.absorbed(f"element {n}") for n in range(6)) == 512 * (1 - kept)
+    assert found.interactions == 512 * 7
+
+
+def test_each_ray_goes_one_way():
+    chooses()
+
+
+def test_what_is_absorbed_stays_exact():
+    takes_its_share()
+
+
+def rounds():
+    """Where all of three thirds goes on, a wall takes no more than rounding, and never less."""
+    takes_rounding(1 / 3, 2 / 3)
+
+
+def takes_rounding(specular, diffuse):
+    found = trace(
+        room(mixed(specular, diffuse)), rays_per_batch=256, generation_cap=200, splitting=False
+    )
+    assert found.closures() == [0]
+    taken = [found.absorbed(f"element {n}") for n in range(6)]
+    assert all(amount >= 0 for amount in taken)
+    # 200 roundings of at most 2^-53 each, on the way down
+    assert sum(taken) <= 256 * 200 * Fraction(1, 2**52)
+
+
+@pytest.mark.parametrize(("specular", "diffuse"), [(0.3, 0.7), (0.1, 0.9), (1 / 3, 2 / 3)])
+def test_where_nothing_is_absorbed_rounding_takes_next_to_nothing(specular, diffuse):
+    takes_rounding(specular, diffuse)
+
+
+def test_a_border_of_glass_loses_nothing_in_thousands_of_meetings():
+    found = trace(room(glass(1.5)), rays_per_batch=64, generation_cap=4000, splitting=False)
+    assert found.closures() == [0]
+    # whole rays to the last: each has escaped, or is under way at the cap
+    assert found.escaped.denominator == found.depth_capped.denominator == 1
+    assert found.escaped + found.depth_capped == 64
+
+
+def test_expectations_are_those_of_both_children():
+    scene = pz.load("ghost-ladder")
+    runs = [
+        pz.trace(scene.replace({"run.splitting": splitting}), batches=32, rays_per_batch=RAYS)
+        for splitting in (True, False)
+    ]
+    want, found = (run.detectors["reflected"].ladder for run in runs)
+    for g in (1, 3):
+        # 5 sigma of a binomial number
+        p = float(want[g])
+        assert abs(float(found[g]) - p) < 5.0 * math.sqrt(p * (1.0 - p) / runs[1].rays), g
+    assert runs[1].ledger.closure == 0.0
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"lanes": 8},
+        pytest.param({"lanes": 1}, marks=pytest.mark.slow),
+        {"composition": "classical"},
+    ],
+)
+def test_the_bits_are_the_same_however_it_runs(changes):
+    scene = scene_of(
+        [beam((0.1, 0.2, 2), "-z", 0.3)],
+        [
+            {"kind": "sphere", "position": [0, 0, 0], "axis": "+z", "radius": 1.0, **glass(1.5)},
+            {**wall((0, 0, -2), "+z", 3.0), **mixed(0.3, 0.4)},
+            {**wall((0, 0, 3), "-z", 3.0), **matt(0.5)},
+        ],
+    )
+    made = compiled(scene, rays_per_batch=2000, splitting=False)
+    assert not made.tables.spec.splits
+    runs = [trace_compiled(made, 2, plan=plan) for plan in (PLAN, PLAN.with_(**changes))]
+    assert runs[0].digest == runs[1].digest
+    assert runs[0].closures() == [0, 0]
+
+
+def test_through_a_tree_and_with_splitting_forced_on_the_bits_are_the_same():
+    scene = pane()
+    run = dataclasses.replace(scene.run, splitting=False, rays_per_batch=1000)
+    scan, tree = (compile_scene(scene, run, **with_tree(tree)) for tree in (False, True))
+    forced = compile_scene(scene, run, frozenset({"splitting"}))
+    assert forced.tables.spec.splits
+    runs = [trace_compiled(made) for made in (scan, tree, forced)]
+    assert len({one.digest for one in runs}) == 1
+
+
+def test_where_nothing_splits_it_changes_neither_text_nor_digest():
+    scene = pz.load("integrating-sphere")
+    other = scene.replace({"run.splitting": False})
+    assert other.digest() == scene.digest()
+    texts = [
+        program_source(compile_scene(s, s.run).tables.spec.for_device(4, ("wave",)))
+        for s in (scene, other)
+    ]
+    assert texts[0] == texts[1]
+
+
+def test_where_something_splits_it_is_another_stream():
+    scene = pz.load("ghost-ladder")
+    other = scene.replace({"run.splitting": False})
+    assert other.digest() != scene.digest()
+    assert scene.replace({"run.splitting": True}).digest() == scene.digest()
+    assert pz.load(other.to_dict()) == other
+    assert "splitting" not in scene.to_dict()["run"]
+    # the floor that auto stands for is there for rays that split
+    runs = [
+        dataclasses.replace(scene.run, splitting=splitting, roulette_floor="auto")
+        for splitting in (True, False)
+    ]
+    assert [scene.roulette_floor(run) for run in runs] == [1e-9, 0.0]
+
+
+@pytest.mark.parametrize("value", [0, 1, "false", None, 0.0])
+def test_it_is_true_or_false(value):
+    with pytest.raises(pz.SceneError, match=r"splitting.*expected true or false"):
+        pz.RunSettings(splitting=value)
+
+
+MUTANTS = {
+    "the other child": ({"choice.chance": "~LT(u * sum, outcome->second_w)"}, chooses),
+    "evens": ({"choice.chance": "LT(u, splat(0.5))"}, chooses),
+    "the weight of one": ({"choice.weight": "outcome->w"}, chooses),
+    "rounding unbooked": ({"choice.booked": "image_difference(sent, sent)"}, rounds),
+    "nothing taken": ({"choice.weight": "p->w"}, takes_its_share),
+}
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+def test_a_broken_choice_is_caught(name, monkeypatch):
+    points, gate = MUTANTS[name]
+    monkeypatch.setattr(templates, "MUTATIONS", points)
+    monkeypatch.setattr(build, "_CACHE", {})
+    with pytest.raises(AssertionError):
+        gate()
