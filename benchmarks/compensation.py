@@ -45,8 +45,8 @@ PARTS = (
         (
             (
                 SPHERE,
-                "const real c = (s2 - rr) + (((xe + ye) + (ze - re)) + (s1e + s2e));",
-                "const real c = fma(fx, fx, fma(fy, fy, fz * fz)) - rr;",
+                '"(s2 - rr) + (((xe + ye) + (ze - re)) + (s1e + s2e))"',
+                '"fma(fx, fx, fma(fy, fy, fz * fz)) - rr"',
             ),
         ),
     ),
@@ -57,8 +57,8 @@ PARTS = (
         (
             (
                 SPHERE,
-                "const real discriminant = (radius - l) * (radius + l);",
-                "const real discriminant = b * b - dot3(fx, fy, fz, fx, fy, fz) + radius * radius;",
+                '"(radius - l) * (radius + l)"',
+                '"b * b - dot3(fx, fy, fz, fx, fy, fz) + radius * radius"',
             ),
         ),
     ),
@@ -110,8 +110,8 @@ PARTS = (
         (
             (
                 CAP,
-                "const real c = fma(x, x, fma(y, y, fma(z, z + R(2.0 * s * h), splat(-a * a))));",
-                "const real f = fma(s, h, z), c = fma(x, x, fma(y, y, f * f)) - fma(a, a, h * h);",
+                '"fma(x, x, fma(y, y, fma(z, z + R(2.0 * s * h), splat(-a * a))))"',
+                '"fma(x, x, fma(y, y, (z + s * h) * (z + s * h))) - fma(a, a, h * h)"',
             ),
         ),
     ),
@@ -119,7 +119,7 @@ PARTS = (
         "lens: discriminant at the point nearest the rim",
         "lens",
         ("lens, shapes", "lens, tangent"),
-        ((CAP, "const real near = -dot3(x, y, z, dx, dy, dz);", "const real near = splat(0.0);"),),
+        ((CAP, '"-dot3(x, y, z, dx, dy, dz)"', '"splat(0.0)"'),),
     ),
     Part(
         "lens: rim decided by the distance from the axis",
@@ -134,13 +134,13 @@ PARTS = (
         (
             (
                 "surfaces/fresnel.mako",
-                "const real rs = k / (a * a);",
-                "const real rs = (mci - ct) / a;",
+                '"k / (a * a)"',
+                '"(mci - ct) / a "',
             ),
             (
                 "surfaces/fresnel.mako",
-                "const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);",
-                "const real rp = (ci - m * ct) / b;",
+                '"k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b)"',
+                '"(ci - m * ct) / b "',
             ),
         ),
     ),

@@ -82,13 +82,15 @@ def point(name: str, text: str | int) -> str | int:
     return MUTATIONS.get(name, text)
 
 
-def render(name: str, **context: Any) -> str:
+def render(name: str, plain: frozenset[str] = frozenset(), **context: Any) -> str:
     """Render a kernel template.
 
     Parameters
     ----------
     name : str
         Path below ``kernels/``.
+    plain : frozenset of str
+        Parts for which ``careful(part, text, short)`` gives the short way; else it gives the text.
     **context
         Everything the template names; an undefined name is an error.
 
@@ -97,8 +99,12 @@ def render(name: str, **context: Any) -> str:
     KernelBuildError
         With the template's line, where rendering fails.
     """
+
+    def careful(part: str, text: str, short: str) -> str:
+        return short if part in plain else text
+
     try:
-        return str(_template(name).render_unicode(point=point, **context))
+        return str(_template(name).render_unicode(point=point, careful=careful, **context))
     except KernelBuildError:
         raise
     except Exception as error:

@@ -135,6 +135,7 @@ def program_source(spec: ProgramSpec) -> str:
         "lane": lambda value, number: lane(value, number, spec.lanes),
         "effects": spec.effects,
         "classes": spec.classes,
+        "plain": spec.plain,
         "surfaces": spec.surfaces,
         "sources": spec.sources,
         "forms": spec.forms,

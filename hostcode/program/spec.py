@@ -19,6 +19,7 @@ __all__ = [
     "CACHED_BYTES",
     "CACHE_LINE",
     "MAX_REGISTER_ELEMENTS",
+    "PLAIN_PARTS",
     "PROBE_STAGES",
     "TALLY_STAGES",
     "EffectParts",
@@ -38,6 +39,9 @@ _GIVEN_RAYS: Final = frozenset({"probe", "follow"})
 """Stages that are given their rays, and keep no ledger."""
 MAX_REGISTER_ELEMENTS: Final = 8
 """Up to this many elements the ledger is kept in registers."""
+PLAIN_PARTS: Final = ("geometry", "tally")
+"""What kernels have a short way for: roots and Fresnel's forms without what is compensated, weights
+that are counted to 2^-31 only."""
 CACHE_LINE: Final = 64
 """Bytes of a cache line."""
 CACHED_BYTES: Final = 1 << 20
@@ -268,6 +272,9 @@ class ProgramSpec:
     """Number of elements where the ledger is kept in registers, else 0."""
     real: str = "double"
     """C type of lengths, directions and weights: ``double`` or ``float``."""
+    plain: frozenset[str] = frozenset()
+    """Parts of the arithmetic that are done the short way, some of `PLAIN_PARTS`: for a study of
+    what care costs, and never for an answer."""
     lanes: int = 1
     packets: int = 1
     """Packets of so many lanes that a work-item keeps at once."""

@@ -33,7 +33,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         const real radius = splat(row[SPHERE_RADIUS]);
         const real lx = fma(b, p->dx, fx), ly = fma(b, p->dy, fy), lz = fma(b, p->dz, fz);
         const real l = sqrt(dot3(lx, ly, lz, lx, ly, lz));
-        const real discriminant = (radius - l) * (radius + l);
+        const real discriminant = ${careful("geometry", "(radius - l) * (radius + l)", "fma(b, b, radius * radius - dot3(fx, fy, fz, fx, fy, fz))")};
         const real s = sqrt(fmax(discriminant, splat(0.0)));
         // |f|^2 - R^2 with the products' rounding errors carried along
         const real xx = fx * fx, yy = fy * fy, zz = fz * fz, rr = radius * radius;
@@ -41,7 +41,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         const real re = fma(radius, radius, -rr);
         const real s1 = xx + yy, s1b = s1 - xx, s1e = (xx - (s1 - s1b)) + (yy - s1b);
         const real s2 = s1 + zz, s2b = s2 - s1, s2e = (s1 - (s2 - s2b)) + (zz - s2b);
-        const real c = (s2 - rr) + (((xe + ye) + (ze - re)) + (s1e + s2e));
+        const real c = ${careful("geometry", "(s2 - rr) + (((xe + ye) + (ze - re)) + (s1e + s2e))", "dot3(fx, fy, fz, fx, fy, fz) - rr")};
         const real q = b + copysign(s, b);
         const real other = SEL(EQ(q, splat(0.0)), splat(0.0), c / q);
         real t1 = fmin(q, other), t2 = fmax(q, other);

@@ -7,10 +7,10 @@
 FN mask cap_interval(real x, real y, real z, real dx, real dy, real dz, double s, double h, double a,
                      real *t0, real *t1, real *b_out, real *c_out) {
     const real b = fma(dz, splat(s * h), dot3(x, y, z, dx, dy, dz));
-    const real c = fma(x, x, fma(y, y, fma(z, z + R(2.0 * s * h), splat(-a * a))));
+    const real c = ${careful("geometry", "fma(x, x, fma(y, y, fma(z, z + R(2.0 * s * h), splat(-a * a))))", "fma(x, x, fma(y, y, (z + R(s * h)) * (z + R(s * h)))) - R(fma(a, a, h * h))")};
     // b^2 - c is the same at every point of the ray.  Far from the rim both are as large as the
     // square of the distance, so it is taken at the point nearest to the rim's centre instead.
-    const real near = -dot3(x, y, z, dx, dy, dz);
+    const real near = ${careful("geometry", "-dot3(x, y, z, dx, dy, dz)", "splat(0.0)")};
     const real nx = fma(near, dx, x), ny = fma(near, dy, y), nz = fma(near, dz, z);
     const real nb = fma(dz, splat(s * h), dot3(nx, ny, nz, dx, dy, dz)), bb = nb * nb;
     const real nc = fma(nx, nx, fma(ny, ny, fma(nz, nz + R(2.0 * s * h), splat(-a * a))));

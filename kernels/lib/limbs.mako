@@ -17,8 +17,8 @@ FN image_t image_of(real w) {
     const wide t2 = r2 + LIMB_MAGIC;
     const long zero = as_long(LIMB_MAGIC);
     r.p0 = AS_LINT(t0) - zero;
-    r.p1 = AS_LINT(t1) - zero;
-    r.p2 = AS_LINT(t2) - zero;
+    r.p1 = ${careful("tally", "AS_LINT(t1) - zero", "lsplat(0L)")};
+    r.p2 = ${careful("tally", "AS_LINT(t2) - zero", "lsplat(0L)")};
     return r;
 }
 FN image_t image_sum(image_t a, image_t b) {

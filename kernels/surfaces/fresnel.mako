@@ -31,8 +31,8 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     const real ct2 = SEL(thinner, fma(-mm, sin2, splat(1.0)), fma(mci, mci, k));
     const real ct = sqrt(fmax(ct2, splat(0.0)));
     const real a = mci + ct, b = fma(m, ct, ci);
-    const real rs = k / (a * a);
-    const real rp = k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b);
+    const real rs = ${careful("geometry", "k / (a * a)", "(mci - ct) / a")};
+    const real rp = ${careful("geometry", "k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b)", "(ci - m * ct) / b")};
     const real whole = fmin(${point("fresnel.reflectance", "R(0.5) * fma(rs, rs, rp * rp)")}, splat(1.0));
     const mask total = LE(ct2, splat(0.0));
     const real wr = SEL(total, p->w, p->w * whole);

@@ -148,6 +148,9 @@ class _Study:
                 continue
             try:
                 trial = self._opened(option)
+                if trial.is_same(first):
+                    self.left_out.append((option.name, "no program of the scene has that part"))
+                    continue
                 self._advance(trial, 1, within=_PATIENCE * first.pace)
             except (PhotizonError, HostError, MemoryError) as error:
                 self.left_out.append((option.name, str(error) or "no memory is left for it"))

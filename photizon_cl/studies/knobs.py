@@ -6,6 +6,7 @@ import dataclasses
 import json
 from typing import TYPE_CHECKING, Any, Final
 
+from hostcode.program.spec import PLAIN_PARTS
 from photizon_cl.scene.settings import MAX_GENERATION_CAP, MAX_RAYS_PER_BATCH
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ class Option:
         How a user asks for it; empty where only a study can.
     scene : Scene
         The scene with it in its ``[run]``.
+    plain : frozenset of str
+        Parts of the arithmetic that are done the short way, see `hostcode.program.spec`.
     """
 
     name: str
@@ -43,6 +46,7 @@ class Option:
     value: str | int | float | bool
     written: str
     scene: Scene
+    plain: frozenset[str] = frozenset()
 
 
 def as_it_stands(scene: Scene) -> Option:
@@ -84,11 +88,18 @@ def _batch(scene: Scene, cap: int) -> Iterator[Option]:
             yield _with(scene, "rays_per_batch", value, f"batches of {value}")
 
 
+def _plain(scene: Scene, cap: int) -> Iterator[Option]:
+    names = {"geometry": "plain geometry", "tally": "tally to 2^-31"}
+    for part in PLAIN_PARTS:
+        yield Option(names[part], part, "plain", "", scene, frozenset({part}))
+
+
 KNOBS: Final[tuple[Callable[[Scene, int], Iterator[Option]], ...]] = (
     _roulette,
     _cap,
     _splitting,
     _batch,
+    _plain,
 )
 """Each gives the options of one knob, of a scene as it stands and the generation cap of the
 reference."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -61,6 +62,8 @@ class Trial:
         self.option = option
         self.compiled = compile_scene(option.scene, option.scene.run)
         tables = self.compiled.tables
+        if option.plain:
+            tables = replace(tables, spec=replace(tables.spec, plain=option.plain))
         layout = self.compiled.layout
         found = quantity_of(quantity, option.scene, layout)
         self.cell = total_of(found, layout)
@@ -115,6 +118,11 @@ class Trial:
                 self.bins.add(whole)
             self.interactions += int(whole_of(whole, layout.interactions, 1)[0, 3])
             self.times.append(before + took * (number + 1) / n)
+
+    def is_same(self, other: Trial) -> bool:
+        """Say whether another setting comes to the same program, of the same tables."""
+        one, two = self.engine, other.engine
+        return self.option.scene == other.option.scene and one.program.digest == two.program.digest
 
     def values(self) -> NDArray[np.float64]:
         """Return what each batch gave of the quantity, in watts, shape (batches,)."""
