@@ -75,6 +75,9 @@ class CostSetting:
         Traced.
     seconds : float
         Of tracing, without building the program.
+    pace_error : float
+        Relative standard error of the seconds a batch takes, by the turns that the setting had: a
+        machine that others use is not steady.
     build_seconds : float
         That the program took; next to nothing where it was kept from before.
     interactions_per_s : float
@@ -103,6 +106,7 @@ class CostSetting:
     batches: int
     rays: int
     seconds: float
+    pace_error: float
     build_seconds: float
     interactions_per_s: float
     estimate: float
@@ -131,8 +135,8 @@ class CostSetting:
 
     @property
     def merit_error(self) -> float:
-        """Relative standard error of the figure of merit, that of an estimated σ²."""
-        return math.sqrt(2.0 / max(self.batches - 1, 1))
+        """Relative standard error of the figure of merit: of an estimated σ², and of the pace."""
+        return math.hypot(math.sqrt(2.0 / max(self.batches - 1, 1)), self.pace_error)
 
     @property
     def relative_bias(self) -> float | None:
@@ -161,6 +165,7 @@ class CostSetting:
             "value": self.value,
             "written": self.written,
             "seconds": self.seconds,
+            "pace_error": self.pace_error,
             "build_seconds": self.build_seconds,
             "batches": self.batches,
             "rays": self.rays,

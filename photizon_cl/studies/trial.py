@@ -75,6 +75,8 @@ class Trial:
         """Of the quantity in each batch, in units of 2^-95 launched weights."""
         self.times: list[float] = []
         """Seconds of tracing behind each batch."""
+        self.turns: list[tuple[int, float]] = []
+        """Batches and seconds of each turn."""
         self.interactions = 0
         self.worst = 0
 
@@ -107,6 +109,7 @@ class Trial:
         start = time.perf_counter()
         chunk = compute(self.engine, self.batches, n)
         took = time.perf_counter() - start
+        self.turns.append((n, took))
         before = self.seconds
         layout = self.compiled.layout
         for number, cells in enumerate(chunk.cells):
@@ -143,6 +146,7 @@ class Trial:
             batches=n,
             rays=n * self.compiled.settings.rays_per_batch,
             seconds=self.seconds,
+            pace_error=self._pace_error(),
             build_seconds=self.engine.build_seconds,
             interactions_per_s=self.interactions / self.seconds,
             estimate=mean,
@@ -154,6 +158,18 @@ class Trial:
             targets=tuple(self._to(target, curve) for target in TARGETS),
             points=self._points(curve),
         )
+
+    def _pace_error(self) -> float:
+        """Return the relative standard error of the pace, a ratio of sums over the turns.
+
+        The first turn, a single batch that warms up, does not tell.
+        """
+        turns = self.turns[1:]
+        if len(turns) < 2:
+            return 1.0
+        n, took = np.array(turns).T
+        apart = took - took.sum() / n.sum() * n
+        return float(apart.std(ddof=1) / math.sqrt(len(turns)) / took.mean())
 
     def _bias(self, reference: Trial) -> tuple[float | None, float | None, bool]:
         """Return the difference from the reference, its σ, and whether it is of pairs."""
