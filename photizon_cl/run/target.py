@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import TEMPORARY, Lock, reason, sweep
 from photizon_cl.errors import ResultError, show
+from photizon_cl.result.cost_file import COST_FIGURE, COST_NUMBERS
 from photizon_cl.run.ours import ARRAYS, CHECKPOINT, DERIVED, FIGURES, REPORT, is_report
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["check_target", "claim", "held", "refuse"]
 
-_OURS: Final = frozenset({ARRAYS, CHECKPOINT, FIGURES, *DERIVED})
+_OURS: Final = frozenset({ARRAYS, CHECKPOINT, FIGURES, COST_NUMBERS, COST_FIGURE, *DERIVED})
 
 _TRIES: Final = 10
 _PAUSE: Final = 0.02

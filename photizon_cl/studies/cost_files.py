@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING
 
 from photizon_cl.atomic import reason, replacing
 from photizon_cl.errors import ResultError, show
-from photizon_cl.result.cost import COST_SCHEMA
+from photizon_cl.result.cost_file import COST_FIGURE, COST_NUMBERS, is_study, study_text
 
 if TYPE_CHECKING:
     from photizon_cl.result.cost import CostStudy
 
-__all__ = ["COST_FIGURE", "COST_NUMBERS", "check_folder", "save"]
-
-COST_NUMBERS: Final = "cost.json"
-COST_FIGURE: Final = "cost.png"
+__all__ = ["check_folder", "save"]
 
 
 def check_folder(path: str | os.PathLike[str]) -> Path:
@@ -34,7 +30,7 @@ def check_folder(path: str | os.PathLike[str]) -> Path:
         if folder.exists() and not folder.is_dir():
             raise ResultError(f"{shown} is a file: give a directory to write the study into")
         numbers = folder / COST_NUMBERS
-        ours = not numbers.exists() or _read(numbers).get("schema") == COST_SCHEMA
+        ours = not numbers.exists() or is_study(numbers)
     except (OSError, ValueError) as error:
         raise ResultError(f"{shown} cannot be used: {reason(error)}") from None
     if not ours:
@@ -43,14 +39,6 @@ def check_folder(path: str | os.PathLike[str]) -> Path:
             "another directory, or move it away"
         )
     return folder
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def save(study: CostStudy, path: str | os.PathLike[str]) -> list[Path]:
@@ -67,11 +55,10 @@ def save(study: CostStudy, path: str | os.PathLike[str]) -> list[Path]:
 
     folder = check_folder(path)
     numbers, figure = folder / COST_NUMBERS, folder / COST_FIGURE
-    text = json.dumps(study.summary(), indent=2, ensure_ascii=True, allow_nan=False) + "\n"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with replacing(numbers) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+            temporary.write_text(study_text(study), encoding="utf-8")
         if not any(row.points for row in study):
             return [numbers]
         replace_figure(figure, lambda file: write(lambda: draw_cost(study), file, "png"))

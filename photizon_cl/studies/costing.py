@@ -231,7 +231,7 @@ class _Study:
             for trial in order:
                 # a bias is known by the batches that both have
                 times = 2.0 if trial is reference else 1.0
-                n = max(round(times * turn / trial.pace), 1)
+                n = trial.batches_in(times * turn)
                 if self.elapsed() + 0.5 * n * trial.pace > self.seconds and trial.batches > 1:
                     continue
                 self._advance(trial, n)

@@ -36,6 +36,8 @@ __all__ = ["Trial"]
 
 _POINTS: Final = 24
 """Points of a curve of σ over seconds."""
+_MORE: Final = 8
+"""Times as many batches as in the last turn that a turn may have."""
 _DENSE: Final = 1.02
 """Times as many batches behind which the σ of bins is asked for again."""
 
@@ -94,6 +96,14 @@ class Trial:
     def pace(self) -> float:
         """Seconds a batch."""
         return self.seconds / self.batches if self.batches else math.inf
+
+    def batches_in(self, seconds: float) -> int:
+        """Return how many batches fit so many seconds, by the last turn.
+
+        Few batches take as long as one: so not more than some times those of the last turn.
+        """
+        n, took = self.turns[-1]
+        return max(min(round(seconds * n / took), _MORE * n), 1)
 
     def advance(self, n: int, give_up: Callable[[], bool]) -> None:
         """Trace so many batches more.

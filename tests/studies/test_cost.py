@@ -13,7 +13,9 @@ import photizon_cl as pz
 from photizon_cl.cli.main import main
 from photizon_cl.result.cost import TARGETS, CostSetting, CostStudy, TargetTime
 from photizon_cl.result.cost_advice import advice
+from photizon_cl.result.cost_file import is_study, read_study, study_text
 from photizon_cl.result.stopping import achieved_sigma
+from photizon_cl.studies.cost_files import save
 from photizon_cl.studies.knobs import KNOBS, Option, as_it_stands
 from photizon_cl.studies.trial import Trial
 
@@ -47,7 +49,7 @@ def pair():
 def study(tmp_path_factory):
     """A study of some seconds, its directory, and what the verb printed of it."""
     folder = tmp_path_factory.mktemp("cost")
-    return pz.cost(small(), max_seconds=6.0), folder
+    return pz.cost(small(), max_seconds=4.0), folder
 
 
 def test_a_row_says_what_a_trace_says(pair):
@@ -266,3 +268,49 @@ def test_bad_input_is_one_line(capsys, arguments, message):
     error = capsys.readouterr().err
     assert message in error
     assert "Traceback" not in error
+
+
+def test_a_study_is_read_as_it_was_written(tmp_path, study):
+    found, _ = study
+    path = tmp_path / "cost.json"
+    path.write_text(study_text(found))
+    assert read_study(path) == found
+    assert is_study(path)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda d: d.pop("settings"),
+        lambda d: d.update(schema="photizon-result/1"),
+        lambda d: d.update(reference="none of them"),
+        lambda d: d.update(seconds="long"),
+        lambda d: d["settings"][0].update(estimate=None),
+        lambda d: d["settings"][0].update(points=[[-1.0, 1.0]]),
+        lambda d: d["settings"][0].update(targets=[]),
+        lambda d: d["settings"].append(7),
+        lambda d: d.update(left_out=[["a", "b"]]),
+    ],
+)
+def test_what_is_no_study_is_refused(tmp_path, study, damage):
+    tables = json.loads(study_text(study[0]))
+    damage(tables)
+    path = tmp_path / "cost.json"
+    path.write_text(json.dumps(tables))
+    with pytest.raises(ValueError, match=r"lack|schema"):
+        read_study(path)
+
+
+def test_the_report_of_a_result_has_the_study_beside_it(tmp_path, study, capsys):
+    found, _ = study
+    result = pz.trace(small(), batches=8)
+    save(found, tmp_path)
+    result.save(tmp_path, figures=False)  # a study there is no reason to refuse
+    assert main(["report", str(tmp_path)]) == 0
+    page = (tmp_path / "report.html").read_text()
+    assert '<h2 id="cost">' in page
+    assert all(row.name in page for row in found)
+    (tmp_path / "cost.json").write_text("{")
+    assert main(["report", str(tmp_path)]) == 0
+    assert "is left out of the report" in capsys.readouterr().err
+    assert '<h2 id="cost">' not in (tmp_path / "report.html").read_text()

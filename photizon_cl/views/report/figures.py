@@ -5,19 +5,22 @@ from __future__ import annotations
 import base64
 import struct
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import in_any_locale
+from photizon_cl.result.cost_file import COST_FIGURE
+from photizon_cl.views.report.cost import describe_cost
 from photizon_cl.views.report.words import describe
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
+    from photizon_cl.result.cost import CostStudy
     from photizon_cl.result.estimates import Estimates
 
-__all__ = ["MOST_BYTES", "Drawing", "Figures", "draw", "drawings"]
+__all__ = ["MOST_BYTES", "Drawing", "Figures", "draw", "drawings", "with_cost"]
 
 MOST_BYTES: Final = 3_200_000
 """Bytes of PNG files that a page embeds: below 4.3 MB of text, and the page below 5 MB."""
@@ -102,6 +105,20 @@ class Figures:
     def of(self, *kinds: str, element: str = "") -> list[Drawing]:
         """Return the figures of some kinds about an element."""
         return [d for d in self.drawn if d.kind in kinds and d.element == element]
+
+
+def with_cost(figures: Figures, study: CostStudy) -> Figures:
+    """Return the figures with that of a cost study, where anything in it scatters."""
+    from photizon_cl.views.figures.cost_plot import draw_cost
+    from photizon_cl.views.figures.style import write
+
+    if not any(row.points for row in study):
+        return figures
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / COST_FIGURE
+        write(lambda: draw_cost(study), path, "png")
+        made = Drawing(COST_FIGURE, "cost", "", path.read_bytes(), *describe_cost(study))
+    return replace(figures, drawn=(*figures.drawn, made))
 
 
 def draw(result: Estimates, there: Collection[str] = (), most_bytes: int = MOST_BYTES) -> Figures:

@@ -184,6 +184,23 @@ ${figure(f)}
 ${parts.table(versions)}
 </section>
 
+% if study is not None:
+<section aria-labelledby="cost">
+<h2 id="cost">What accuracy costs</h2>
+${parts.table(cost)}
+% for f in figures.of("cost"):
+${figure(f)}
+% endfor
+% if study.advice:
+<ul>
+% for text in study.advice:
+<li>${text}</li>
+% endfor
+</ul>
+% endif
+</section>
+
+% endif
 <section aria-labelledby="effects">
 <h2 id="effects">Effects</h2>
 ${parts.table(effects)}

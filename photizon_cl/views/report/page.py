@@ -13,9 +13,11 @@ from markupsafe import Markup
 
 from photizon_cl.views.report import story, tables
 from photizon_cl.views.report.claims import claims
+from photizon_cl.views.report.cost import cost_table
 from photizon_cl.views.report.numbers import integer
 
 if TYPE_CHECKING:
+    from photizon_cl.result.cost import CostStudy
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.views.report.figures import Drawing, Figures
 
@@ -31,7 +33,17 @@ MOST_DETECTORS: Final = 50
 # The writer gives every item of a list a line; a position is easier to read on one.
 _SHORT_LIST: Final = re.compile(r"^(\w+ = )\[\n((?:\s+[-+.\w]+,\n){1,4})\]", re.MULTILINE)
 _PLACED: Final = frozenset(
-    {"layout", "ledger", "convergence", "map", "sigma", "ladder", "far-field", "far-field-cuts"}
+    {
+        "layout",
+        "ledger",
+        "convergence",
+        "cost",
+        "map",
+        "sigma",
+        "ladder",
+        "far-field",
+        "far-field-cuts",
+    }
 )
 _HERE: Final = Path(__file__).resolve().parent
 
@@ -55,7 +67,9 @@ class _Section:
     figures: list[Drawing]
 
 
-def render(result: Estimates, figures: Figures, recipe: str | None) -> str:
+def render(
+    result: Estimates, figures: Figures, recipe: str | None, study: CostStudy | None = None
+) -> str:
     """Return the page as text.
 
     Parameters
@@ -66,6 +80,8 @@ def render(result: Estimates, figures: Figures, recipe: str | None) -> str:
         Its figures.
     recipe : str or None
         The token that reproduces the run, where the directory holds one.
+    study : CostStudy, optional
+        What accuracy costs, where it was studied.
     """
     from photizon_cl.scene.writing import to_toml
     from photizon_cl.version import __version__
@@ -98,6 +114,8 @@ def render(result: Estimates, figures: Figures, recipe: str | None) -> str:
             run=story.run_table(result),
             versions=story.versions_table(),
             recipe=recipe,
+            study=study,
+            cost=None if study is None else cost_table(study, result.scene.digest()),
             effects=inside,
             left_out=outside,
             claims=claims(result),

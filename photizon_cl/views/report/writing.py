@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import in_any_locale, reason, replacing, sweep
 from photizon_cl.errors import ArgumentError, show
+from photizon_cl.result.cost_file import COST_NUMBERS, read_study
 from photizon_cl.result.recipe import RecipeText
 from photizon_cl.views.report import figures as drawing
 from photizon_cl.views.report.page import GENERATOR, render
@@ -14,6 +15,7 @@ from photizon_cl.views.report.page import GENERATOR, render
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from photizon_cl.result.cost import CostStudy
     from photizon_cl.result.estimates import Estimates
 
 __all__ = ["Written", "is_report", "write_page"]
@@ -60,11 +62,15 @@ def write_page(result: Estimates, home: Path, page: Path) -> Written:
     _check_page(page)
     there = _names(home / "figures")
     figures = drawing.draw(result, there)
+    study, remarks = _study(home)
+    if study is not None:
+        figures = drawing.with_cost(figures, study)
     made, warnings = _complete(home / "figures", figures.files)
+    warnings += remarks
     warnings += [
         f"the figure {show(name)} could not be drawn: {why}" for name, why in figures.failed
     ]
-    text = render(result, figures, RecipeText.of(result).token[:_MOST_RECIPE])
+    text = render(result, figures, RecipeText.of(result).token[:_MOST_RECIPE], study)
     try:
         sweep(page.parent, held=False)
         with replacing(page) as temporary:
@@ -74,6 +80,15 @@ def write_page(result: Estimates, home: Path, page: Path) -> Written:
             f"{show(str(page))} cannot be written ({reason(error)}): give another file with --out"
         ) from None
     return Written(page, tuple(made), tuple(warnings))
+
+
+def _study(home: Path) -> tuple[CostStudy | None, list[str]]:
+    """Return the cost study beside a result, and what is to be said where it is none."""
+    path = home / COST_NUMBERS
+    try:
+        return (read_study(path) if path.is_file() else None), []
+    except (OSError, ValueError) as error:
+        return None, [f"{show(str(path))} is left out of the report: {error}"]
 
 
 def is_report(page: Path) -> bool:
