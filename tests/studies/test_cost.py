@@ -15,9 +15,10 @@ from photizon_cl.result.cost import TARGETS, CostSetting, CostStudy, TargetTime
 from photizon_cl.result.cost_advice import advice
 from photizon_cl.result.cost_file import is_study, read_study, study_text
 from photizon_cl.result.stopping import achieved_sigma
-from photizon_cl.studies.cost_files import save
+from photizon_cl.studies.cost_files import check_folder, save
 from photizon_cl.studies.knobs import KNOBS, Option, as_it_stands
 from photizon_cl.studies.trial import Trial
+from photizon_cl.views.report.writing import beside
 
 SPHERE = "integrating-sphere"
 RAYS = 1024
@@ -238,7 +239,8 @@ def test_the_verb_writes_and_says_the_same(capsys, tmp_path, monkeypatch, study)
     printed = json.loads(capsys.readouterr().out)
     assert printed == found.summary() == json.loads((out / "cost.json").read_text())
     assert (out / "cost.png").read_bytes().startswith(b"\x89PNG")
-    assert main(["cost", SPHERE, "--out", str(out)]) == 0  # its own are replaced
+    check_folder(out)  # its own may be replaced
+    assert main(["cost", SPHERE]) == 0
     text = capsys.readouterr().out
     assert all(len(line) <= 80 for line in text.splitlines())
     assert all(row.name in text for row in found)
@@ -301,16 +303,23 @@ def test_what_is_no_study_is_refused(tmp_path, study, damage):
         read_study(path)
 
 
-def test_the_report_of_a_result_has_the_study_beside_it(tmp_path, study, capsys):
+def test_the_report_of_a_result_has_the_study_beside_it(tmp_path, study):
     found, _ = study
-    result = pz.trace(small(), batches=8)
+    # a result with few figures; the study is of another scene, and it is said
+    scene = dataclasses.replace(small(), far_field=None)
+    result = pz.trace(scene, batches=8)
     save(found, tmp_path)
     result.save(tmp_path, figures=False)  # a study there is no reason to refuse
     assert main(["report", str(tmp_path)]) == 0
     page = (tmp_path / "report.html").read_text()
     assert '<h2 id="cost">' in page
+    assert "It is of other settings than" in page
     assert all(row.name in page for row in found)
+
+
+def test_a_damaged_study_is_told_and_left_out(tmp_path):
     (tmp_path / "cost.json").write_text("{")
-    assert main(["report", str(tmp_path)]) == 0
-    assert "is left out of the report" in capsys.readouterr().err
-    assert '<h2 id="cost">' not in (tmp_path / "report.html").read_text()
+    study, remarks = beside(tmp_path)
+    assert study is None
+    assert "is left out of the report" in remarks[0]
+    assert beside(tmp_path / "nothing") == (None, [])

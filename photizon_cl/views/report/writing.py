@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.cost import CostStudy
     from photizon_cl.result.estimates import Estimates
 
-__all__ = ["Written", "is_report", "write_page"]
+__all__ = ["Written", "beside", "is_report", "write_page"]
 
 _MOST_RECIPE: Final = 100_000  # characters of a token that a page shows
 
@@ -62,7 +62,7 @@ def write_page(result: Estimates, home: Path, page: Path) -> Written:
     _check_page(page)
     there = _names(home / "figures")
     figures = drawing.draw(result, there)
-    study, remarks = _study(home)
+    study, remarks = beside(home)
     if study is not None:
         figures = drawing.with_cost(figures, study)
     made, warnings = _complete(home / "figures", figures.files)
@@ -82,7 +82,7 @@ def write_page(result: Estimates, home: Path, page: Path) -> Written:
     return Written(page, tuple(made), tuple(warnings))
 
 
-def _study(home: Path) -> tuple[CostStudy | None, list[str]]:
+def beside(home: Path) -> tuple[CostStudy | None, list[str]]:
     """Return the cost study beside a result, and what is to be said where it is none."""
     path = home / COST_NUMBERS
     try:
