@@ -213,6 +213,8 @@ class EffectParts:
         What is recorded for the tally stage, some of `hostcode.program.source.RECORDS`.
     splits : bool
         Whether rays go on as two.
+    pairs : bool
+        Whether it looks at the second ray that a surface gives.
     one_by_one : bool
         Whether each ray is searched for by itself, so that packets have one lane.
     orders : bool
@@ -231,6 +233,7 @@ class EffectParts:
     launch: tuple[tuple[str, str, str], ...] = ()
     records: tuple[str, ...] = ()
     splits: bool = False
+    pairs: bool = False
     one_by_one: bool = False
     orders: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
@@ -359,7 +362,8 @@ class ProgramSpec:
     @property
     def pairs(self) -> bool:
         """Whether a surface may give two rays, whether or not both go on."""
-        return self.splits or any(surface.splits for surface in self.surfaces)
+        asked = self.splits or any(part.pairs for part in self.parts)
+        return asked or any(surface.splits for surface in self.surfaces)
 
     @property
     def passes(self) -> bool:

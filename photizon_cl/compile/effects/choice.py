@@ -28,12 +28,13 @@ class Choice(Effect):
         return f'splitting is false, and a ray that meets "{named.name}" could go on as two'
 
     def possible(self, scene: Scene) -> bool:
-        """Say that it takes the place of splitting, and is never beside it."""
-        return False
+        """Say whether nothing splits: where something does, the settings alone say which."""
+        return scene.splitter is None
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the draw."""
         return EffectParts(
             templates=(("survive", "effects/choice"),),
             hooks=(("surface", "choose(launch, p, c, ledger, element, takes, &outcome);"),),
+            pairs=True,
         )
