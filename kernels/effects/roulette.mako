@@ -19,7 +19,7 @@ FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met
         const image_t twice = image_of(p->w + p->w);
         book_row(launch, ledger, ROW_KILLED, ends, before);
         book_row(launch, ledger, ROW_BOOSTED, lives, ${point("roulette.added", "image_difference(twice, before)")});
-        p->w = SEL(lives, p->w + p->w, p->w);
+        p->w = SEL(lives, ${point("roulette.weight", "p->w + p->w")}, p->w);
         p->alive &= ~ends;
     }
 }

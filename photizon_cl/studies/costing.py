@@ -18,17 +18,17 @@ from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.pilot import pilot
 from photizon_cl.scene.files import load
 from photizon_cl.scene.parameter_paths import quoted
-from photizon_cl.studies.knobs import KNOBS, Option, as_it_stands
+from photizon_cl.studies.knobs import KNOBS, Knob, Option, as_it_stands
 from photizon_cl.studies.trial import Trial
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from hostcode.device.device import DeviceRecord
     from photizon_cl.scene.model import Scene
 
-__all__ = ["cost"]
+__all__ = ["Study", "cost"]
 
 _SECONDS: Final = 120.0
 _TURNS: Final = 12
@@ -91,10 +91,10 @@ def cost(
     >>> study.advice  # doctest: +SKIP
     """
     as_run = with_settings(load(scene), seed=seed, max_seconds=max_seconds)
-    return _Study(as_run, quantity, device, progress or (lambda _: None)).run()
+    return Study(as_run, quantity, device, progress or (lambda _: None)).run()
 
 
-class _Study:
+class Study:
     """A study under way.
 
     Parameters
@@ -103,6 +103,8 @@ class _Study:
         With the study's seed, and its seconds as ``max_seconds``.
     quantity, device, progress
         As `cost` takes them.
+    knobs : sequence of callable, optional
+        What is tried, see `photizon_cl.studies.knobs`.
     """
 
     def __init__(
@@ -111,8 +113,9 @@ class _Study:
         quantity: str | None,
         device: DeviceRecord | str | int | None,
         progress: Callable[[str], object],
+        knobs: Sequence[Knob] = KNOBS,
     ) -> None:
-        self.given = scene
+        self.given, self.knobs = scene, knobs
         self.digest = scene.digest()
         self.device = str(device) if isinstance(device, int) else device
         self.progress = progress
@@ -139,7 +142,7 @@ class _Study:
             )
         cap, known = self._reference_cap()
         scene, first = self._smaller(first, cap)
-        options = [o for knob in KNOBS for o in knob(scene, cap)]
+        options = [o for knob in self.knobs for o in knob(scene, cap)]
         reference = first
         trials = [first]
         for option in options:
@@ -203,7 +206,7 @@ class _Study:
     def _smaller(self, first: Trial, cap: int) -> tuple[Scene, Trial]:
         """Take fewer rays a batch where the time would not do for enough batches."""
         scene = self.given
-        options = 2 + sum(1 for knob in KNOBS for _ in knob(scene, cap))
+        options = 2 + sum(1 for knob in self.knobs for _ in knob(scene, cap))
         share = 0.7 * (self.seconds - self.elapsed()) / options
         rays = least = scene.run.rays_per_batch
         pace = first.pace

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from hostcode.program.spec import PLAIN_PARTS
 from photizon_cl.scene.settings import MAX_GENERATION_CAP, MAX_RAYS_PER_BATCH
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from photizon_cl.scene.model import Scene
 
-__all__ = ["KNOBS", "Option", "as_it_stands"]
+__all__ = ["KNOBS", "Knob", "Option", "as_it_stands"]
 
 _FLOORS: Final = (0.0, 1e-6, 1e-3, 0.1)
 _ENDLESS: Final = 64
@@ -47,6 +47,14 @@ class Option:
     written: str
     scene: Scene
     plain: frozenset[str] = frozenset()
+
+
+class Knob(Protocol):
+    """Gives the options of one knob, of a scene as it stands."""
+
+    def __call__(self, scene: Scene, cap: int, /) -> Iterator[Option]:
+        """Give them; `cap` is the generation cap of the reference."""
+        ...
 
 
 def as_it_stands(scene: Scene) -> Option:
@@ -94,12 +102,11 @@ def _plain(scene: Scene, cap: int) -> Iterator[Option]:
         yield Option(names[part], part, "plain", "", scene, frozenset({part}))
 
 
-KNOBS: Final[tuple[Callable[[Scene, int], Iterator[Option]], ...]] = (
+KNOBS: Final[tuple[Knob, ...]] = (
     _roulette,
     _cap,
     _splitting,
     _batch,
     _plain,
 )
-"""Each gives the options of one knob, of a scene as it stands and the generation cap of the
-reference."""
+"""What a study tries, in this order."""

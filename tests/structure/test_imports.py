@@ -43,7 +43,7 @@ ACROSS = {
     "compile": "errors program run",
     "result": "assets run",
     "run": "errors device program run",
-    "studies": "errors device run",
+    "studies": "errors device program run",
     "stability": "device run",
     "cli": "errors device",
 }
