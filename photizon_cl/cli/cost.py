@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.cost import CostSetting, CostStudy
 
-__all__ = ["add_arguments", "call"]
+__all__ = ["add_arguments", "call", "show"]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,13 +66,14 @@ def call(arguments: argparse.Namespace) -> int:
     else:
         from photizon_cl.cli.tables import console
 
-        _print(study, console())
+        show(study, console())
     for path in written:
         print(f"written to {printable(str(path))}", file=sys.stderr)
     return 0
 
 
-def _print(study: CostStudy, out: Console) -> None:
+def show(study: CostStudy, out: Console) -> None:
+    """Print a study: two tables and the advice."""
     from rich.text import Text
 
     from photizon_cl.cli.tables import heading, paragraph, print_table, table
