@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
 from benchmarks.cost_page import PAGE, STUDIES, kept, page
-
 from photizon_cl.result.cost_advice import advice
 from photizon_cl.result.cost_file import read_study
 from photizon_cl.scene.files import load
