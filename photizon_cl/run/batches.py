@@ -22,7 +22,7 @@ from photizon_cl.errors import (
 )
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.estimates import Estimates, RunInfo
-from photizon_cl.result.forecast import Forecast
+from photizon_cl.result.forecast import Outlook
 from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
@@ -216,8 +216,9 @@ def _add_batches(
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
-    full, forecast = "", info.forecast
+    full = ""
     history = History(info.history, info.seconds)
+    outlook = Outlook(goal, info.seconds, tally.batches, info.forecast)
 
     def so_far(stopped: str = "") -> RunInfo:
         return dataclasses.replace(
@@ -229,7 +230,7 @@ def _add_batches(
             worst_closure=worst,
             history=history.rows,
             stopped=stopped,
-            forecast=forecast,
+            forecast=outlook.kept,
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
@@ -252,15 +253,13 @@ def _add_batches(
                 label, build = chunk.device, max(build, chunk.build_seconds)
                 clock.note(tally.batches)
                 history.note(compiled.layout, tally, clock.elapsed())
-                if forecast is None and not done:
-                    forecast = Forecast.of(
-                        compiled.layout, tally, goal, info.seconds + clock.elapsed(), info.seconds
-                    )
+                if not done:
+                    outlook.note(compiled.layout, tally, clock.elapsed())
                 if keeper is not None:
                     keeper.note(lambda: Estimates(compiled, tally, so_far()))
                 if progress is not None:
-                    now = Progress.of(compiled, tally, goal, info, interactions, clock, forecast)
-                    progress(now)
+                    told = outlook.latest
+                    progress(Progress.of(compiled, tally, goal, info, interactions, clock, told))
                 if done or full or interrupted() or clock.over():
                     break
                 del chunk, cells, whole  # the next ones are computed before they are replaced
