@@ -160,7 +160,7 @@ def go_on(
     checkpoint: str | os.PathLike[str] | None,
 ) -> _E:
     """Add batches to a result that nobody else holds until its goal is reached."""
-    plan = _fitting(start.compiled, device, executor, plan, saved=checkpoint is not None)
+    plan = _fitting(start.compiled, device, executor, plan, goal, saved=checkpoint is not None)
     keeper = None if checkpoint is None else Keeper(checkpoint, start)
     try:
         return _add_batches(start, goal, device, progress, executor, plan, keeper)
@@ -180,16 +180,19 @@ def _fitting(
     device: DeviceRecord | str | int | None,
     executor: Executor | None,
     plan: ExecutionPlan | None,
+    goal: Goal,
     *,
     saved: bool,
 ) -> ExecutionPlan | None:
     """Return a plan that fits; refuse a run that has no memory, before anything is done for it."""
     tables = compiled.tables
     if executor is not None:  # workers look at what they have themselves
-        check_memory(compiled, None, None, bytes_on_the_way(executor, tables), saved=saved)
+        way = bytes_on_the_way(executor, tables)
+        check_memory(compiled, None, None, way, saved=saved, batches=goal.batches)
         return plan
     record = open_chosen(_selector(device)).record
-    return check_memory(compiled, record, plan or usual_plan(record, tables), saved=saved)
+    plan = plan or usual_plan(record, tables)
+    return check_memory(compiled, record, plan, saved=saved, batches=goal.batches)
 
 
 def _selector(device: DeviceRecord | str | int | None) -> DeviceRecord | str | None:

@@ -93,6 +93,7 @@ def render(result: Estimates, figures: Figures, recipe: str | None) -> str:
             sections=_sections(result, figures),
             more_detectors=integer(max(len(result.detectors) - MOST_DETECTORS, 0)),
             far_field=None if far is None else tables.far_field_table(far, result.ledger.escaped),
+            checks=tables.checks_table(result),
             tallies=tables.tally_tables(result),
             others=[f for f in figures.drawn if f.kind not in _PLACED],
             run=story.run_table(result),
