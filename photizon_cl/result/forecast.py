@@ -26,7 +26,7 @@ _LATE: Final = 1.2
 _LATE_SECONDS: Final = 2.0
 """By how much a run may end after its time: a batch takes what it takes."""
 _TEXT: Final = 400
-_NARROW: Final = 1.25
+_NARROW: Final = 1.3
 """By which factor at most the end may lie behind the time that is told, for it to be kept early."""
 _EARLY: Final = 0.1
 _SECONDS: Final = 10.0
