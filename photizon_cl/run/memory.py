@@ -235,7 +235,10 @@ def _advice(compiled: CompiledScene, part: str) -> str:
     if part in ("waiting", "records"):
         rays = compiled.settings.rays_per_batch
         return f"lower run.rays_per_batch (it is {rays})"
-    if part in ("scene", "values"):
+    if part == "values":
+        rays = compiled.settings.rays_per_batch
+        return f"take fewer batches of more rays (run.rays_per_batch is {rays})"
+    if part == "scene":
         return f"take fewer elements (there are {len(scene.element)})"
     maps = sorted((d for d in layout.detectors if d.nx), key=lambda d: -d.nx * d.ny)
     far = layout.n_mu * layout.n_phi
@@ -268,8 +271,8 @@ def check_memory(
 ) -> ExecutionPlan | None:
     """Return how a device is to run a scene, which is fewer batches at once where memory is short.
 
-    What files take counts where the run is `saved`, and what each batch gave as far as it will be
-    kept, of `batches` in all where that is known. Drawing never does: it can be left out, and
+    What files take counts where the run is `saved`, and what each batch gave where it is
+    known that there will be so many `batches`. Drawing never does: it can be left out, and
     `photizon report` does it later.
 
     Raises
@@ -313,8 +316,10 @@ def statement(
     )
     if needs.more:
         text += f"; up to {human(needs.more)} more for sums, and to write them, as bins are lit"
-    if needs.values > 999:
-        text += f"; up to {human(needs.values)} more for what each batch gives, as they are kept"
+    if needs.more_values > 999:
+        text += (
+            f"; up to {human(needs.more_values)} more for what single batches give, as they come"
+        )
     if needs.waiting_more:
         text += f"; up to {human(needs.waiting_more)} more for rays that wait"
     for what, asked in (

@@ -67,8 +67,9 @@ class Needs:
         What rays that wait may take at most, where rays split.
     shared : bool
         Whether the device's memory is the host's.
-    values : int
-        What may come to be kept of single batches, of quantities that are one number.
+    values, more_values : int
+        What is kept of single batches, of quantities that are one number, where it is known how
+        many there will be; and what that may become at most.
     """
 
     device: dict[str, int]
@@ -82,6 +83,7 @@ class Needs:
     waiting_more: int
     shared: bool
     values: int
+    more_values: int
 
     @classmethod
     def of(
@@ -102,7 +104,7 @@ class Needs:
             The device and how it runs; None where other processes run it.
         on_the_way : int, optional
             Bytes of what comes from these.
-        batches : int, optional
+        batches : int or None, optional
             In all, where that is known.
         """
         layout, tables = compiled.layout, compiled.tables
@@ -115,8 +117,8 @@ class Needs:
         sums = 0 if sparse else _SUMS * n
         # mostly a ray arrives once; where it arrives more often the run may end early for it
         lit = min(n, int(tables.launch["rays_per_batch"]))
-        batches = _LIT * lit if sparse else _BATCH * n * (slots + 2)
-        running = {"sums": sums, "batches": batches + on_the_way}
+        held = _LIT * lit if sparse else _BATCH * n * (slots + 2)
+        running = {"sums": sums, "batches": held + on_the_way}
         end = {"sums": sums, "arrays": sum(array_sizes(layout).values())}
         state = 0 if sparse else (_SUMS + 8) * n
         largest = max(*bins, far, 0)
@@ -135,7 +137,8 @@ class Needs:
             more=(SPARSE_CELL + WRITTEN) * n if sparse else 0,
             waiting_more=more,
             shared=record is not None and record.type == "cpu",
-            values=_values(sum(cells for _, cells in layout.scalars), batches),
+            values=_values(layout, batches or 0),
+            more_values=_values(layout, MOST_VALUES),
         )
 
     def phases(self, *, saved: bool, drawn: bool) -> dict[str, dict[str, int]]:
@@ -151,8 +154,9 @@ class Needs:
         tracing["values"] = self.values
         found = {"while it traces": tracing, "at the end": end}
         if saved:  # the values stand twice while they are put into one table
-            found["while it traces"] = {**tracing, "state": self.state + self.values}
-            found["while it is saved"] = {**end, "files": self.files + self.values}
+            twice = {"values": 2 * self.values}
+            found["while it traces"] = {**tracing, **twice, "state": self.state}
+            found["while it is saved"] = {**end, **twice, "files": self.files}
         if drawn:
             found["while it is drawn"] = {**end, "figures": self.figures}
         return found
@@ -162,10 +166,11 @@ class Needs:
         return max(sum(p.values()) for p in self.phases(saved=saved, drawn=drawn).values())
 
 
-def _values(cells: int, batches: int | None) -> int:
-    """Return what values of so many cells take at most that are kept batch by batch."""
+def _values(layout: TallyLayout, batches: int) -> int:
+    """Return what is kept of so many single batches; none of them where they are too many."""
+    cells = sum(n for _, n in layout.scalars)
     most = MOST_VALUES // cells if cells else 0
-    return _VALUE * cells * (most if batches is None or batches > most else batches)
+    return _VALUE * cells * min(batches, most)
 
 
 def array_sizes(layout: TallyLayout) -> dict[str, int]:
