@@ -234,6 +234,15 @@ def test_what_each_batch_gives_has_room_as_far_as_it_is_kept():
     assert "single quantities, 67.1 MB: take fewer batches of more rays (run.rays_per" in why
 
 
+def test_a_run_counts_what_its_batches_give(limited):
+    made, record, plan = parts(scene(1500))
+    one = plan.with_(wave_rays=made.settings.rays_per_batch)
+    limited(Needs.of(made, record, one).most_at_a_time() + (256 + 10 << 20))
+    assert memory.check_memory(made, record, plan, batches=100) is not None
+    with pytest.raises(pz.RunError, match="MB of memory while it traces, and"):
+        pz.trace(scene(1500), batches=10**6)
+
+
 def test_a_statement_is_one_line():
     made, record, plan = parts(endless("trapped in glass", 64))
     text = statement(made, record, plan, None)
