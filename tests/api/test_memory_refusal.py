@@ -240,7 +240,7 @@ def test_a_run_counts_what_its_batches_give(limited):
     limited(Needs.of(made, record, one).most_at_a_time() + (256 + 10 << 20))
     assert memory.check_memory(made, record, plan, batches=100) is not None
     with pytest.raises(pz.RunError, match="MB of memory while it traces, and"):
-        pz.trace(scene(1500), batches=10**6)
+        pz.trace(scene(1500), batches=10**6, max_seconds=1.0)
 
 
 def test_a_statement_is_one_line():
