@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.errors import ArgumentError
+from photizon_cl.errors import ArgumentError, printable, show
 
 if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
@@ -21,6 +21,7 @@ __all__ = [
     "integer",
     "load_scene",
     "number",
+    "swallowed",
 ]
 
 _SCENE: Final = "a preset's name, or a scene file (.toml or .json)"
@@ -75,6 +76,26 @@ def load_scene(arguments: argparse.Namespace) -> Scene:
     return scene.replace(changes) if changes else scene
 
 
+def swallowed(what: str, arguments: argparse.Namespace) -> str:
+    """Say that ``--target-on`` took what was meant for a positional argument; else nothing.
+
+    Parameters
+    ----------
+    what : str
+        The argument that is missing.
+    arguments : Namespace
+        What was read.
+    """
+    taken = arguments.target_on
+    if not taken:
+        return ""
+    last = printable(taken[-1])
+    return (
+        f"; --target-on takes all that follows, and took {show(taken[-1])} as a quantity: put "
+        f"{what} before it, or two hyphens between (--target-on QUANTITY -- {last})"
+    )
+
+
 def add_goal(parser: argparse.ArgumentParser, batches: str, more: str = "") -> None:
     """Declare what a run is to reach.
 
@@ -95,7 +116,7 @@ def add_goal(parser: argparse.ArgumentParser, batches: str, more: str = "") -> N
     parser.add_argument(
         "--target-on", action="extend", nargs="+", metavar="Q",
         help="quantities that must each meet the target: detectors.NAME.power, .map, far_field, "
-        "ledger.escaped, ...",
+        "ledger.escaped, ...; takes all that follows up to the next option, and may be given again",
     )  # fmt: skip
     parser.add_argument(
         "--max-seconds", type=number, metavar="T", help=f"stop after T {more}seconds"

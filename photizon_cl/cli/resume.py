@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from photizon_cl.cli.arguments import DEVICE, DIRECTORY, JSON, NO_FIGURES, add_goal
+from photizon_cl.cli.arguments import DEVICE, DIRECTORY, JSON, NO_FIGURES, add_goal, swallowed
+from photizon_cl.errors import ArgumentError
 
 if TYPE_CHECKING:
     import argparse
@@ -14,7 +15,7 @@ __all__ = ["add_arguments", "call"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
-    parser.add_argument("directory", metavar="DIR", help=DIRECTORY)
+    parser.add_argument("directory", metavar="DIR", nargs="?", help=DIRECTORY)
     add_goal(parser, "run until there are N batches in all", "more ")
     parser.add_argument("--device", metavar="D", help=DEVICE)
     parser.add_argument("--no-figures", action="store_true", help=NO_FIGURES)
@@ -23,6 +24,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Go on with a run as the arguments say; return the exit status."""
+    if arguments.directory is None:
+        raise ArgumentError(
+            "DIR: found nothing, expected the directory of a run" + swallowed("DIR", arguments)
+        )
     from photizon_cl.cli.outcome import give
     from photizon_cl.cli.progress import Display
     from photizon_cl.run.checkpoint import latest

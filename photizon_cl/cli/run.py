@@ -15,6 +15,7 @@ from photizon_cl.cli.arguments import (
     add_scene,
     integer,
     load_scene,
+    swallowed,
 )
 from photizon_cl.errors import ArgumentError, show
 
@@ -60,7 +61,10 @@ def call(arguments: argparse.Namespace) -> int:
         recipe = _recipe(arguments)
         scene = recipe.scene
     elif arguments.scene is None:
-        raise ArgumentError("SCENE: found nothing, expected a preset's name or a scene file")
+        raise ArgumentError(
+            "SCENE: found nothing, expected a preset's name or a scene file"
+            + swallowed("SCENE", arguments)
+        )
     else:
         scene = load_scene(arguments)  # a bad scene is told before anything heavy is imported
 

@@ -5,9 +5,9 @@ comes out too small until it was seen often enough. So beside σ stand the varia
 (the relative variance of σ², S. Pederson, R. A. Forster and T. E. Booth, Nucl. Sci. Eng. 127, 54,
 1997), which falls as 1/n for any well-behaved quantity and is about 1/k where k events make up the
 scatter; the part of the total that the largest batch has, which bounds that of a single arrival;
-and, of detectors whose rays do not split, how many equal arrivals would have such a σ, beside how
-many there were. Where those are few of very many, few arrivals carry what makes σ, and more of
-their kind may not have been seen.
+and, of detectors, how many equal arrivals would have such a σ, beside how many there were. Where
+those are few of very many, few arrivals carry what makes σ, and more of their kind may not have
+been seen. Where rays split, of which many arrivals may be of one ray, at most all rays count.
 """
 
 from __future__ import annotations
@@ -35,7 +35,12 @@ _GOOD_SHARE: Final = 0.1
 _EVEN: Final = 0.01
 """Part of the arrivals that at least make up σ where their weights are even enough."""
 _MANY: Final = 1000.0
-"""Effective arrivals from which on σ is known well, however uneven their weights are."""
+"""Effective arrivals from which on σ is known well, however uneven their weights are.
+
+By a σ that is as large as it may well be: that of few batches comes out too small by chance.
+"""
+_ONE_IN_20: Final = -1.6449
+"""Of normal deviates one in 20 is smaller."""
 _OF_NORMAL: Final = (
     (2, 8, 10, 12, 16, 20, 24, 32, 40, 50, 64),
     (1.0, 0.543, 0.516, 0.474, 0.382, 0.310, 0.258, 0.185, 0.142, 0.107, 0.078),
@@ -61,7 +66,8 @@ class Checks:
     largest_share : float
         Part of the total that the largest batch has: no arrival has more.
     count : int or None
-        Independent arrivals; None where they are not counted.
+        Independent arrivals, of rays that split at most as many as rays; None where they are not
+        counted.
     """
 
     batches: int
@@ -116,7 +122,7 @@ class Checks:
         effective = self.effective_arrivals
         if self.count is None or effective is None:
             return True
-        return effective >= min(_EVEN * self.count, _MANY)
+        return effective >= min(_EVEN * self.count, _MANY / _least_variance(self.batches))
 
     @property
     def believable(self) -> bool:
@@ -160,6 +166,16 @@ class Checks:
             "good": self.good,
             "believable": self.believable,
         }
+
+
+def _least_variance(batches: int) -> float:
+    """Return what normal batches show of their variance, but in one of 20 cases.
+
+    The 5 % point of χ² over its degrees of freedom (E. B. Wilson and M. M. Hilferty, Proc. Natl.
+    Acad. Sci. 17, 684, 1931); good to 1 % from 8 batches on.
+    """
+    part = 2.0 / (9.0 * (batches - 1))
+    return max(1.0 - part + _ONE_IN_20 * math.sqrt(part), 0.1) ** 3
 
 
 class Scalar(Estimate):

@@ -194,7 +194,7 @@ class Estimates:
         sigma = self.tally.standard_error(cell, 1)[0] * self.compiled.unit_power
         return Scalar.of(
             found.name,
-            self._checks.get(found.name),
+            self.checks.get(found.name),
             watts(self.compiled, self.tally.exact(cell), self.batches),
             float(sigma) if self.batches > 1 else None,
             # the device counts arrivals at detectors alone
@@ -202,16 +202,18 @@ class Estimates:
         )
 
     @cached_property
-    def _checks(self) -> dict[str, Checks]:
+    def checks(self) -> dict[str, Checks]:
         """Checks of every scalar that has some, by name."""
         layout, kept, found = self.compiled.layout, self.tally.batch_values, {}
         splits = self.scene.splits()
         for quantity in self._scalars.values():
             values = kept.of(quantity.first)
             if values is not None:
-                # of rays that split, many arrivals are of one ray
-                counted = quantity.first >= layout.n_rows and not splits
-                count = int(self.tally.counts(quantity.first, 1)[0]) if counted else None
+                count = None
+                if quantity.first >= layout.n_rows:
+                    count = int(self.tally.counts(quantity.first, 1)[0])
+                    # of rays that split, many arrivals are of one ray
+                    count = min(count, self.rays) if splits else count
                 checks = Checks.of(values, count)
                 if checks is not None:
                     found[quantity.name] = checks
@@ -382,7 +384,7 @@ class Estimates:
             "ledger": self.ledger.summary(),
             "detectors": {name: d.summary() for name, d in self.detectors.items()},
             **self._tallies_summary(),
-            "checks": {name: checks.summary() for name, checks in self._checks.items()},
+            "checks": {name: checks.summary() for name, checks in self.checks.items()},
             "advisories": list(self.advisories),
         }
 

@@ -382,8 +382,18 @@ class Accumulator:
 
         At least two batches.
         """
-        totals, squares = self._sums.counted(first, n, LIT_COUNT)
+        _, totals, squares = self._sums.counted(first, n, LIT_COUNT)
         return totals / self.batches, self._error(squares)
+
+    def reached(
+        self, first: int, n: int, every: int = 1
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return count, mean and standard error of the cells of a range that count anything.
+
+        At least two batches; of the first cell of each `every` alone.
+        """
+        counts, totals, squares = self._sums.counted(first, n, 1, every)
+        return counts, totals / self.batches, self._error(squares)
 
 
 def _with_interactions(state: AccumulatorState, last: int, counted_in: int) -> AccumulatorState:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from photizon_cl.compile.layout import Quantity, TallyLayout
     from photizon_cl.result.statistics import Accumulator
 
-__all__ = ["LEAST_BATCHES", "Goal", "History", "achieved_sigma", "relative_sigma"]
+__all__ = ["LEAST_BATCHES", "Goal", "History", "achieved_sigma", "judged", "relative_sigma"]
 
 LEAST_BATCHES: Final = 8
 """Batches before a target can be met: a standard error from fewer is itself too uncertain."""
@@ -61,14 +61,28 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
     """
     if tally.batches < 2:
         return None
+    errors = [_median(ranges, tally, bins=bins) for ranges, bins in judged(layout)]
+    return None if None in errors else max(e for e in errors if e is not None)
+
+
+def judged(layout: TallyLayout) -> list[tuple[list[tuple[int, int]], bool]]:
+    """Return what must each meet a target: ranges of cells, and whether they are bins.
+
+    The median over all cells of a row's ranges counts, of bins over those that are lit.
+    """
     if layout.watched:
-        errors = [relative_sigma(quantity, tally) for quantity in layout.watched]
-        return None if None in errors else max(e for e in errors if e is not None)
+        return [([(q.first, q.bins or 1)], bool(q.bins)) for q in layout.watched]
     maps = [(d.map, d.nx * d.ny) for d in layout.detectors if d.nx]
     if maps:
-        found = [tally.well_counted(*r) for r in maps]
+        return [(maps, True)]
+    return [([(d.power, 1) for d in layout.detectors] or [(0, layout.n_elements + 1)], False)]
+
+
+def _median(ranges: list[tuple[int, int]], tally: Accumulator, *, bins: bool) -> float | None:
+    """Return the median relative standard error of some cells; None where nothing arrived."""
+    if bins:
+        found = [tally.well_counted(*r) for r in ranges]
     else:
-        ranges = [(d.power, 1) for d in layout.detectors] or [(0, layout.n_elements + 1)]
         found = [(tally.mean(*r), tally.standard_error(*r)) for r in ranges]
     mean = np.concatenate([mean for mean, _ in found])
     error = np.concatenate([error for _, error in found])
@@ -86,12 +100,7 @@ def relative_sigma(quantity: Quantity, tally: Accumulator) -> float | None:
     """
     if tally.batches < 2:
         return None
-    if quantity.bins:
-        mean, error = tally.well_counted(quantity.first, quantity.bins)
-    else:
-        mean, error = tally.mean(quantity.first, 1), tally.standard_error(quantity.first, 1)
-    known = mean > 0.0
-    return float(np.median(error[known] / mean[known])) if known.any() else None
+    return _median([(quantity.first, quantity.bins or 1)], tally, bins=bool(quantity.bins))
 
 
 class History:

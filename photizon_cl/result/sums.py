@@ -28,6 +28,8 @@ TOTAL_LIMBS: Final = 4
 
 Rows = tuple["NDArray[np.int64]", "NDArray[np.int64]", "NDArray[Any]", "NDArray[Any]"]
 """Limbs, counts, means and squares of some cells."""
+Counted = tuple["NDArray[np.int64]", "NDArray[np.float64]", "NDArray[np.float64]"]
+"""Counts, totals and squares of some cells."""
 
 
 class Sums(Protocol):
@@ -57,8 +59,11 @@ class Sums(Protocol):
     def m2(self, first: int, n: int) -> NDArray[np.float64]:
         """Return Welford's squares, shape (n,)."""
 
-    def counted(self, first: int, n: int, least: int) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return totals and squares of the cells with so many counts or more, in order."""
+    def counted(self, first: int, n: int, least: int, every: int = 1) -> Counted:
+        """Return counts, totals and squares of the cells with so many counts or more, in order.
+
+        Of the first cell of each `every` alone.
+        """
 
     def rows(self) -> tuple[NDArray[np.int64] | None, Rows]:
         """Return a copy of everything: numbers of the cells, None where it is all, and sums."""
@@ -141,11 +146,12 @@ class DenseSums:
         """Return squares, see `Sums`."""
         return self._m2[first : first + n]
 
-    def counted(self, first: int, n: int, least: int) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return totals and squares of well-counted cells, see `Sums`."""
-        enough = self._count[first : first + n] >= least
-        limbs, m2 = self._limbs[first : first + n], self._m2[first : first + n]
-        return totals_of(limbs[enough]), m2[enough]
+    def counted(self, first: int, n: int, least: int, every: int = 1) -> Counted:
+        """Return counts, totals and squares of well-counted cells, see `Sums`."""
+        part = slice(first, first + n, every)
+        count = self._count[part]
+        enough = count >= least
+        return count[enough], totals_of(self._limbs[part][enough]), self._m2[part][enough]
 
     def rows(self) -> tuple[NDArray[np.int64] | None, Rows]:
         """Return a copy of everything, see `Sums`."""
@@ -309,15 +315,16 @@ class SparseSums:
             out[at] = block.m2[part]
         return out
 
-    def counted(self, first: int, n: int, least: int) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return totals and squares of well-counted cells, see `Sums`."""
-        totals, squares = [np.empty(0)], [np.empty(0)]
-        for block, part, _ in self._held(first, n):
-            enough = block.count[part] >= least
+    def counted(self, first: int, n: int, least: int, every: int = 1) -> Counted:
+        """Return counts, totals and squares of well-counted cells, see `Sums`."""
+        counts, totals, squares = [np.empty(0, np.int64)], [np.empty(0)], [np.empty(0)]
+        for block, part, at in self._held(first, n):
+            enough = (block.count[part] >= least) & (at % every == 0)
             if enough.any():
+                counts.append(block.count[part][enough])
                 totals.append(totals_of(block.limbs[part][enough]))
                 squares.append(block.m2[part][enough])
-        return np.concatenate(totals), np.concatenate(squares)
+        return np.concatenate(counts), np.concatenate(totals), np.concatenate(squares)
 
     def rows(self) -> tuple[NDArray[np.int64] | None, Rows]:
         """Return a copy of everything, see `Sums`."""

@@ -22,7 +22,7 @@ from photizon_cl.errors import (
 )
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.estimates import Estimates, RunInfo
-from photizon_cl.result.forecast import Forecast
+from photizon_cl.result.forecast import Outlook
 from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
@@ -160,7 +160,7 @@ def go_on(
     checkpoint: str | os.PathLike[str] | None,
 ) -> _E:
     """Add batches to a result that nobody else holds until its goal is reached."""
-    plan = _fitting(start.compiled, device, executor, plan, saved=checkpoint is not None)
+    plan = _fitting(start.compiled, device, executor, plan, goal, saved=checkpoint is not None)
     keeper = None if checkpoint is None else Keeper(checkpoint, start)
     try:
         return _add_batches(start, goal, device, progress, executor, plan, keeper)
@@ -180,16 +180,19 @@ def _fitting(
     device: DeviceRecord | str | int | None,
     executor: Executor | None,
     plan: ExecutionPlan | None,
+    goal: Goal,
     *,
     saved: bool,
 ) -> ExecutionPlan | None:
     """Return a plan that fits; refuse a run that has no memory, before anything is done for it."""
     tables = compiled.tables
     if executor is not None:  # workers look at what they have themselves
-        check_memory(compiled, None, None, bytes_on_the_way(executor, tables), saved=saved)
+        way = bytes_on_the_way(executor, tables)
+        check_memory(compiled, None, None, way, saved=saved, batches=goal.batches)
         return plan
     record = open_chosen(_selector(device)).record
-    return check_memory(compiled, record, plan or usual_plan(record, tables), saved=saved)
+    plan = plan or usual_plan(record, tables)
+    return check_memory(compiled, record, plan, saved=saved, batches=goal.batches)
 
 
 def _selector(device: DeviceRecord | str | int | None) -> DeviceRecord | str | None:
@@ -216,8 +219,9 @@ def _add_batches(
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
-    full, forecast = "", info.forecast
+    full = ""
     history = History(info.history, info.seconds)
+    outlook = Outlook(goal, info.seconds, tally.batches, info.forecast)
 
     def so_far(stopped: str = "") -> RunInfo:
         return dataclasses.replace(
@@ -229,7 +233,7 @@ def _add_batches(
             worst_closure=worst,
             history=history.rows,
             stopped=stopped,
-            forecast=forecast,
+            forecast=outlook.kept,
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
@@ -252,15 +256,13 @@ def _add_batches(
                 label, build = chunk.device, max(build, chunk.build_seconds)
                 clock.note(tally.batches)
                 history.note(compiled.layout, tally, clock.elapsed())
-                if forecast is None and not done:
-                    forecast = Forecast.of(
-                        compiled.layout, tally, goal, info.seconds + clock.elapsed(), info.seconds
-                    )
+                if not done:
+                    outlook.note(compiled.layout, tally, clock.elapsed())
                 if keeper is not None:
                     keeper.note(lambda: Estimates(compiled, tally, so_far()))
                 if progress is not None:
-                    now = Progress.of(compiled, tally, goal, info, interactions, clock, forecast)
-                    progress(now)
+                    told = outlook.latest
+                    progress(Progress.of(compiled, tally, goal, info, interactions, clock, told))
                 if done or full or interrupted() or clock.over():
                     break
                 del chunk, cells, whole  # the next ones are computed before they are replaced

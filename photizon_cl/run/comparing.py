@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from photizon_cl.errors import ResultError
 from photizon_cl.result.comparison import Comparison, compared
 from photizon_cl.result.estimates import Estimates
 from photizon_cl.run.result import open_result
@@ -36,7 +37,7 @@ def compare(
     Raises
     ------
     ResultError
-        Where a path holds no result.
+        Where a path holds no result; of both paths, where neither does.
 
     Examples
     --------
@@ -45,5 +46,14 @@ def compare(
     >>> pz.compare(*runs)["ledger.escaped"].difference
     0.0
     """
-    one, other = (x if isinstance(x, Estimates) else open_result(x) for x in (a, b))
-    return compared(one, other)
+    found: list[Estimates] = []
+    problems: list[str] = []
+    for given in (a, b):
+        try:
+            found.append(given if isinstance(given, Estimates) else open_result(given))
+        except ResultError as error:
+            if str(error) not in problems:
+                problems.append(str(error))
+    if problems:
+        raise ResultError("\n".join(problems))
+    return compared(*found)

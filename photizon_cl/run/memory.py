@@ -49,6 +49,7 @@ _WORDS: Final = {
     "records": "arrivals that are written down on the device",
     "scene": "the scene on the device",
     "sums": "the sums over batches",
+    "values": "what each batch gave of single quantities",
     "batches": "batches on the way",
     "arrays": "the arrays of the result",
     "state": "writing a checkpoint",
@@ -234,6 +235,9 @@ def _advice(compiled: CompiledScene, part: str) -> str:
     if part in ("waiting", "records"):
         rays = compiled.settings.rays_per_batch
         return f"lower run.rays_per_batch (it is {rays})"
+    if part == "values":
+        rays = compiled.settings.rays_per_batch
+        return f"take fewer batches of more rays (run.rays_per_batch is {rays})"
     if part == "scene":
         return f"take fewer elements (there are {len(scene.element)})"
     maps = sorted((d for d in layout.detectors if d.nx), key=lambda d: -d.nx * d.ny)
@@ -263,10 +267,12 @@ def check_memory(
     look: Callable[[], Room | None] | None = None,
     *,
     saved: bool = False,
+    batches: int | None = None,
 ) -> ExecutionPlan | None:
     """Return how a device is to run a scene, which is fewer batches at once where memory is short.
 
-    What files take counts where the run is `saved`. Drawing never does: it can be left out, and
+    What files take counts where the run is `saved`, and what each batch gave where it is
+    known that there will be so many `batches`. Drawing never does: it can be left out, and
     `photizon report` does it later.
 
     Raises
@@ -274,13 +280,13 @@ def check_memory(
     RunError
         Where it cannot fit, with the reason, see `refusal`.
     """
-    needs = Needs.of(compiled, record, plan, on_the_way)
+    needs = Needs.of(compiled, record, plan, on_the_way, batches)
     small = needs.most_at_a_time(saved=saved) + needs.more < _PROGRAM
     left = None if small else (look or room)()
     why = refusal(compiled, needs, record, left, saved=saved)
     if why and plan is not None and Sizes.of(compiled.tables, plan).slots > 1:
         plan = plan.with_(wave_rays=compiled.settings.rays_per_batch)
-        needs = Needs.of(compiled, record, plan, on_the_way)
+        needs = Needs.of(compiled, record, plan, on_the_way, batches)
         why = refusal(compiled, needs, record, left, saved=saved)
     if why:
         raise RunError(why)
@@ -310,6 +316,10 @@ def statement(
     )
     if needs.more:
         text += f"; up to {human(needs.more)} more for sums, and to write them, as bins are lit"
+    if needs.more_values > 999:
+        text += (
+            f"; up to {human(needs.more_values)} more for what single batches give, as they come"
+        )
     if needs.waiting_more:
         text += f"; up to {human(needs.waiting_more)} more for rays that wait"
     for what, asked in (

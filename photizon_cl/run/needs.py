@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 from hostcode.run.queue import Queue
 from hostcode.run.sizes import Sizes
 from hostcode.run.tally import CELL, is_sparse
+from photizon_cl.result.batch_values import MOST_VALUES
 from photizon_cl.result.sums import SPARSE_CELL
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ WRITTEN: Final = 2 * (_SUMS + 8)
 """Bytes that a cell's sums take more while they are written, of those that are held sparsely."""
 _LIT: Final = 2 * 8 * (CELL + 1) + 16
 """Bytes of a cell of a sparse batch: number and row, twice while powers are filled in."""
+_VALUE: Final = 8
+"""Bytes of what a cell gave in a batch, where that is kept."""
 _MAP_BIN: Final = 4 * 8
 """Bytes of a map's bin in a result: irradiance, σ, count, area."""
 _FAR_BIN: Final = 3 * 8
@@ -64,6 +67,9 @@ class Needs:
         What rays that wait may take at most, where rays split.
     shared : bool
         Whether the device's memory is the host's.
+    values, more_values : int
+        What is kept of single batches, of quantities that are one number, where it is known how
+        many there will be; and what that may become at most.
     """
 
     device: dict[str, int]
@@ -76,6 +82,8 @@ class Needs:
     more: int
     waiting_more: int
     shared: bool
+    values: int
+    more_values: int
 
     @classmethod
     def of(
@@ -84,6 +92,7 @@ class Needs:
         record: DeviceRecord | None,
         plan: ExecutionPlan | None,
         on_the_way: int = 0,
+        batches: int | None = None,
     ) -> Needs:
         """Return the needs of a scene.
 
@@ -95,6 +104,8 @@ class Needs:
             The device and how it runs; None where other processes run it.
         on_the_way : int, optional
             Bytes of what comes from these.
+        batches : int or None, optional
+            In all, where that is known.
         """
         layout, tables = compiled.layout, compiled.tables
         n = layout.n_cells
@@ -106,8 +117,8 @@ class Needs:
         sums = 0 if sparse else _SUMS * n
         # mostly a ray arrives once; where it arrives more often the run may end early for it
         lit = min(n, int(tables.launch["rays_per_batch"]))
-        batches = _LIT * lit if sparse else _BATCH * n * (slots + 2)
-        running = {"sums": sums, "batches": batches + on_the_way}
+        held = _LIT * lit if sparse else _BATCH * n * (slots + 2)
+        running = {"sums": sums, "batches": held + on_the_way}
         end = {"sums": sums, "arrays": sum(array_sizes(layout).values())}
         state = 0 if sparse else (_SUMS + 8) * n
         largest = max(*bins, far, 0)
@@ -126,6 +137,8 @@ class Needs:
             more=(SPARSE_CELL + WRITTEN) * n if sparse else 0,
             waiting_more=more,
             shared=record is not None and record.type == "cpu",
+            values=_values(layout, batches or 0),
+            more_values=_values(layout, MOST_VALUES),
         )
 
     def phases(self, *, saved: bool, drawn: bool) -> dict[str, dict[str, int]]:
@@ -136,12 +149,14 @@ class Needs:
         saved, drawn : bool
             Whether it writes checkpoints and files, and draws.
         """
-        end = self.at_the_end
+        end = {**self.at_the_end, "values": self.values}
         tracing = {**(self.device if self.shared else {}), **self.while_running}
+        tracing["values"] = self.values
         found = {"while it traces": tracing, "at the end": end}
-        if saved:
-            found["while it traces"] = {**tracing, "state": self.state}
-            found["while it is saved"] = {**end, "files": self.files}
+        if saved:  # the values stand twice while they are put into one table
+            twice = {"values": 2 * self.values}
+            found["while it traces"] = {**tracing, **twice, "state": self.state}
+            found["while it is saved"] = {**end, **twice, "files": self.files}
         if drawn:
             found["while it is drawn"] = {**end, "figures": self.figures}
         return found
@@ -149,6 +164,13 @@ class Needs:
     def most_at_a_time(self, *, saved: bool = False, drawn: bool = False) -> int:
         """Return what this process takes at most at a time, see `phases`."""
         return max(sum(p.values()) for p in self.phases(saved=saved, drawn=drawn).values())
+
+
+def _values(layout: TallyLayout, batches: int) -> int:
+    """Return what is kept of so many single batches; none of them where they are too many."""
+    cells = sum(n for _, n in layout.scalars)
+    most = MOST_VALUES // cells if cells else 0
+    return _VALUE * cells * min(batches, most)
 
 
 def array_sizes(layout: TallyLayout) -> dict[str, int]:

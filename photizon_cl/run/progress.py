@@ -107,7 +107,7 @@ class Progress:
     eta_seconds : float or None
         Time left, as far as it can be told: σ falls with the square root of the batches.
     forecast : Forecast or None
-        How long the run takes in all, as told when its first batches were in.
+        How long the run takes in all, as told last; an earlier one is kept with the result.
     """
 
     batches: int

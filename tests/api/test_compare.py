@@ -142,6 +142,26 @@ def test_files_and_the_command_say_the_same(white, grey, tmp_path, capsys):
     assert main(["compare", "", folders[0]]) == 2
 
 
+def test_directories_without_a_result_are_told_together(white, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    white.save("white", figures=False)
+    (tmp_path / "empty").mkdir()
+    assert main(["compare", "white", "empty"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert '"empty" holds no result.nc: give the directory that a run wrote' in line
+    assert main(["compare", "absent", "empty"]) == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert '"absent" is not there: give' in first
+    assert '"empty" holds no result.nc: give' in second
+    assert main(["compare", "empty", "empty"]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    # one that was killed has what its checkpoint holds
+    again = {"seed": 1, "batches": 5, "rays_per_batch": 256, "checkpoint": "killed"}
+    pz.trace(white.scene, **again)
+    assert main(["compare", "white", "killed"]) == 0
+    assert "paired over 5 batches" in capsys.readouterr().out
+
+
 @pytest.mark.slow
 def test_the_paired_difference_holds_the_truth_as_often_as_it_says():
     """240 seeds of 40 batches: within ±2σ in 0.948 of them (Student, 39 degrees of freedom).

@@ -92,9 +92,8 @@ def test_a_device_with_memory_of_its_own_takes_none_of_the_host():
     made, record, plan = parts(scene(4096), type="gpu")
     needs = Needs.of(made, record, plan)
     assert not needs.shared
-    assert sum(needs.phases(saved=False, drawn=False)["while it traces"].values()) == sum(
-        needs.while_running.values()
-    )
+    running = needs.phases(saved=False, drawn=False)["while it traces"]
+    assert running == {**needs.while_running, "values": needs.values}
 
 
 def test_check_says_what_a_run_takes(capsys, limited, tmp_path):
@@ -209,6 +208,39 @@ def test_a_small_file_that_stands_for_gigabytes_is_told(limited, monkeypatch, tm
     assert "takes 2.15 GB of memory for 67108865 bins" in line_of(caught.value)
     limited(3 * GB)
     assert pz.open_result(tmp_path).batches == 2
+
+
+def test_what_each_batch_gives_has_room_as_far_as_it_is_kept():
+    made, record, plan = parts(scene(32))
+    cells = sum(n for _, n in made.layout.scalars)
+    most = (1 << 22) // cells
+    before = Needs.of(made, record, plan)
+    assert (before.values, before.more_values) == (0, 8 * cells * most)
+    for batches, rows in ((10, 10), (most, most), (10**9, most)):
+        needs = Needs.of(made, record, plan, 0, batches)
+        assert needs.values == 8 * cells * rows
+        for saved, times in ((False, 1), (True, 2)):
+            more = needs.most_at_a_time(saved=saved) - before.most_at_a_time(saved=saved)
+            assert more == times * needs.values
+    # what is kept of a run is what was said
+    found = pz.trace(scene(32), batches=10, rays_per_batch=64).tally.batch_values.table()
+    assert found.nbytes == Needs.of(made, record, plan, 0, 10).values
+    text = statement(made, record, plan, None)
+    assert "up to 33.6 MB more for what single batches give" in text
+    left = Room(300 << 20, GB, "this machine")
+    assert refusal(made, before, record, left, saved=True) == ""
+    why = refusal(made, needs, record, left, saved=True)
+    assert "takes 347 MB of memory while it traces" in why
+    assert "single quantities, 67.1 MB: take fewer batches of more rays (run.rays_per" in why
+
+
+def test_a_run_counts_what_its_batches_give(limited):
+    made, record, plan = parts(scene(1500))
+    one = plan.with_(wave_rays=made.settings.rays_per_batch)
+    limited(Needs.of(made, record, one).most_at_a_time() + (256 + 10 << 20))
+    assert memory.check_memory(made, record, plan, batches=100) is not None
+    with pytest.raises(pz.RunError, match="MB of memory while it traces, and"):
+        pz.trace(scene(1500), batches=10**6, max_seconds=1.0)
 
 
 def test_a_statement_is_one_line():

@@ -238,6 +238,28 @@ def test_the_command_line_takes_several(capsys):
     assert 'run.target_on: found "detectors.flor.power", expected one of "floor"' in err
 
 
+def test_an_option_that_took_the_scene_says_so(capsys, tmp_path, monkeypatch):
+    """It takes all that follows; given twice it takes both."""
+    monkeypatch.chdir(tmp_path)
+    asked = ["--target-on", "ledger.absorbed.ceiling", "--target-on", "detectors.floor.power"]
+    run = ["run", *asked, "--rays-per-batch", "512", "--target", "0.5", "--out"]
+    out = "out"
+    assert main([*run, out, "--no-figures", "box-room"]) == 0
+    found = pz.open_result(out).scene.run.target_on
+    assert set(found) == {"ledger.absorbed.ceiling", "detectors.floor.power"}
+    capsys.readouterr()
+    for verb, what, last in (("run", "SCENE", "box-room"), ("resume", "DIR", out)):
+        assert main([verb, *asked, last]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.startswith(f"{what}: found nothing, expected")
+        assert f"--target-on takes all that follows, and took {json.dumps(last)}" in line
+        assert f"put {what} before it, or two hyphens between" in line
+        assert main([verb]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "--target-on" not in line
+    assert main(["resume", "--no-figures", *asked, "--", out]) == 0
+
+
 def test_a_detector_far_from_the_target_that_a_map_met_is_told():
     """A photodiode beside the map that the run looks at."""
     scene = pz.load("box-room").to_dict()

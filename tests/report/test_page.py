@@ -9,7 +9,7 @@ import pytest
 
 from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.result.text import with_error
-from photizon_cl.views.report import figures, page
+from photizon_cl.views.report import figures, page, tables
 
 NAMES = ("room", "sphere", "hostile", "capped", "single", "empty")
 
@@ -237,3 +237,26 @@ def test_long_tables_are_cut_and_say_so(results):
     largest = sorted(result.ledger.absorbed, key=lambda n: -result.ledger.absorbed[n].value)[:2]
     assert {row[0] for row in cut.rows[1:3]} == {f"absorbed by {name}" for name in largest}
     assert "1 detectors with less power" in tables.detector_table(results["hostile"], 0).note
+
+
+def test_the_checks_of_every_scalar_are_tabulated(read, results):
+    for name in ("room", "sphere", "capped"):
+        checks = results[name].checks
+        rows = read[name].tables["table-checks"][1:]
+        assert [row[0] for row in rows] == list(checks)
+        for row, found in zip(rows, checks.values(), strict=True):
+            assert row[5] == ("yes" if found.believable else "no")
+            marks = [cell.endswith("*") for cell in row[1:5]]
+            assert marks == [not good for good in found.good.values()], row
+            wanted = f"{100.0 * found.relative_sigma:.3g} %"
+            assert row[1].removesuffix(" *") == wanted
+    assert "table-checks" not in read["single"].tables
+    assert "#checks" not in {value for _, _, value in read["single"].attributes}
+
+
+def test_of_very_many_checks_those_that_fail_are_shown(results):
+    found = tables.checks_table(results["capped"], most=1)
+    checks = results["capped"].checks
+    wanted = next((n for n, c in checks.items() if not c.believable), next(iter(checks)))
+    assert [row[0] for row in found.rows] == [wanted]
+    assert f"{len(checks) - 1} quantities are left out" in found.note

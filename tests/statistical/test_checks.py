@@ -9,36 +9,35 @@ import numpy as np
 import pytest
 
 import photizon_cl as pz
-from photizon_cl.result.checks import Checks
+from benchmarks.believing import LAMP, interval, rare, rays_for
+from photizon_cl.result.checks import Checks, _least_variance
 
 NAME = "detectors.plate.power"
 
 
-def lamps(bright):
-    """Return a beam on a plate and, perhaps, a lamp of which one ray in 50 000 comes there.
-
-    Half of the rays are the lamp's, so that one arrival in 10^5 carries a third of the power.
-    """
-    beam = pz.CollimatedDisk(
-        name="beam", flux=2.0, position=(0, 0, 1), axis="-z", radius=1.5, share=0.5
-    )
-    far = 1.0 / (2.0 * math.sqrt(2e-5))
-    part = 0.5 * (1.0 - far / math.hypot(far, 1.0))
-    lamp = pz.IsotropicPoint(name="lamp", flux=2.0 / 4.5 / part, position=(0, 0, far), share=0.5)
-    plate = pz.Disk(name="plate", position=(0, 0, 0), axis="+z", radius=1.0,
-                    surface=pz.Absorber(), detector=pz.Detector())  # fmt: skip
-    return pz.Scene("rare", (beam, lamp) if bright else (beam,), (plate,))
+def run(seed, batches, *, glass):
+    """Trace a scene of which one arrival in 10^5 carries a third; nine of them are expected."""
+    rays = rays_for(9) // batches
+    return pz.trace(rare(glass=glass), seed=seed, batches=batches, rays_per_batch=rays)
 
 
-def run(bright, seed, batches, rays):
-    return pz.trace(lamps(bright), seed=seed, batches=batches, rays_per_batch=rays)
+def test_the_rare_path_is_what_it_is_said_to_be():
+    scene = rare(glass=False)
+    far = scene.source["lamp"].position[2]
+    assert 0.5 * (1.0 - far / math.hypot(far, 1.0)) == pytest.approx(LAMP, rel=1e-4)
+    bright = scene.source["lamp"].flux * LAMP
+    dim = scene.source["beam"].flux / 1.5**2
+    assert bright / (bright + dim) == pytest.approx(1.0 / 3.0)
+    arrives = 1.0 / 1.5**2
+    assert arrives / LAMP == pytest.approx(1e5)
 
 
-@pytest.mark.parametrize(("batches", "rays"), [(8, 100_000), (40, 20_000)])
-def test_a_rare_bright_path_is_flagged(batches, rays):
-    """All of 20 seeds; were 95 % flagged only, so many would be in one of three sets of seeds."""
-    for seed in range(20):
-        found = run(True, seed, batches, rays)
+@pytest.mark.parametrize("glass", [False, True])
+@pytest.mark.parametrize("batches", [8, 40])
+def test_a_rare_bright_path_is_flagged(batches, glass):
+    """All of 6 seeds, whether rays split or not."""
+    for seed in range(6):
+        found = run(seed, batches, glass=glass)
         checks = found.quantity(NAME).checks
         assert not checks.believable
         assert not checks.good["effective_arrivals"]
@@ -50,7 +49,7 @@ def test_a_rare_bright_path_is_flagged(batches, rays):
 def test_of_many_runs_with_a_rare_bright_path_nearly_all_are_flagged():
     flagged = 0
     for seed in range(200):
-        found = run(True, 1000 + seed, 20, 50_000)
+        found = run(1000 + seed, 20, glass=bool(seed % 2))
         flagged += not found.quantity(NAME).checks.believable
     assert flagged >= 190, flagged
 
@@ -121,6 +120,25 @@ def test_few_batches_may_have_a_larger_variance_of_the_variance():
     assert limits == sorted(limits, reverse=True)
     assert limits[1] == 0.543
     assert limits[-3:] == [0.1, 0.1, 0.1]
+
+
+def test_few_batches_want_more_effective_arrivals():
+    """A σ of 8 batches is too small by half once in 20 times; the χ² are those of tables."""
+    for free, chi2 in ((7, 2.16735), (19, 10.1170), (59, 42.3393)):
+        assert _least_variance(free + 1) == pytest.approx(chi2 / free, rel=0.01)
+    even = 1.0 / math.sqrt(2000.0)
+    for batches, good in ((2, False), (8, False), (20, True), (200, True)):
+        checks = Checks(batches, even, 0.0, 1.0 / batches, 10**6)
+        assert checks.good["effective_arrivals"] == good
+    # one in a hundred is enough of any number of batches
+    assert Checks(8, even, 0.0, 0.125, 199_999).good["effective_arrivals"]
+
+
+def test_the_interval_of_a_share():
+    """As tables of Clopper and Pearson's have it."""
+    assert interval(0, 10) == pytest.approx((0.0, 0.30850), abs=1e-5)
+    assert interval(10, 10) == pytest.approx((0.69150, 1.0), abs=1e-5)
+    assert interval(3, 20) == pytest.approx((0.03207, 0.37893), abs=1e-5)
 
 
 def test_the_summary_has_the_checks_of_every_scalar_that_is_not_0():

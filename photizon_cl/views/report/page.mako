@@ -40,6 +40,9 @@ ${style}
 % if far_field:
 <li><a href="#far-field">Far field</a></li>
 % endif
+% if checks:
+<li><a href="#checks">Checks of σ</a></li>
+% endif
 % if tallies:
 <li><a href="#tallies">Counted by effects</a></li>
 % endif
@@ -126,6 +129,13 @@ ${parts.table(far_field)}
 % for f in figures.of("far-field", "far-field-cuts"):
 ${figure(f)}
 % endfor
+</section>
+% endif
+
+% if checks:
+<section aria-labelledby="checks">
+<h2 id="checks">Can σ be believed?</h2>
+${parts.table(checks)}
 </section>
 % endif
 

@@ -109,6 +109,7 @@ def render(
             sections=_sections(result, figures),
             more_detectors=integer(max(len(result.detectors) - MOST_DETECTORS, 0)),
             far_field=None if far is None else tables.far_field_table(far, result.ledger.escaped),
+            checks=tables.checks_table(result),
             tallies=tables.tally_tables(result),
             others=[f for f in figures.drawn if f.kind not in _PLACED],
             run=story.run_table(result),

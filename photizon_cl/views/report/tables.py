@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from markupsafe import Markup
 
 from photizon_cl.compile.effects.table import EFFECT_ROWS
 from photizon_cl.result.tallies import only_counts, ranked
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = [
     "MOST_ROWS",
     "Table",
+    "checks_table",
     "detector_table",
     "far_field_table",
     "ladder_table",
@@ -260,6 +262,47 @@ def peak(
     row, column = divmod(flat, values.shape[1])
     sigma = float(sigmas[row, column])
     return float(values[row, column]), None if np.isnan(sigma) else sigma, (row, column)
+
+
+# -- checks of σ ---------------------------------------------------------------------------------
+
+
+def checks_table(result: Estimates, most: int = MOST_ROWS) -> Table | None:
+    """Return the statistical checks of every scalar that has some; None where none has.
+
+    Of more than `most` those of which σ is not to be believed are shown first.
+    """
+    checks = result.checks
+    if not checks:
+        return None
+    first = set(sorted(checks, key=lambda name: checks[name].believable)[:most])
+    shown = [name for name in checks if name in first]
+    rows = []
+    for name in shown:
+        found = checks[name]
+        good, effective = found.good, found.effective_arrivals
+        cells = (
+            ("relative_sigma", percent(found.summary()["relative_sigma"])),
+            ("variance_of_variance", amount(found.variance_of_variance, 2)),
+            ("largest_share", percent(found.largest_share)),
+            ("effective_arrivals", "–" if effective is None else amount(effective, 3)),
+        )
+        marked = [Markup("{}{}").format(text, "" if good[key] else " *") for key, text in cells]
+        rows.append((name, *marked, "yes" if found.believable else "no"))
+    notes = ["* not good: see “Can σ be believed?” in the page on error bars."]
+    if len(shown) < len(checks):
+        notes.append(f"{integer(len(checks) - len(shown))} quantities are left out.")
+    return Table(
+        "table-checks",
+        "Statistical checks of every quantity that is one number and not 0",
+        (
+            ("quantity", False), ("relative σ", True), ("variance of the variance", True),
+            ("largest batch’s share", True), ("effective arrivals", True),
+            ("σ is believable", False),
+        ),
+        rows,
+        " ".join(notes),
+    )  # fmt: skip
 
 
 # -- far field -----------------------------------------------------------------------------------
