@@ -80,8 +80,9 @@ def _print(scene: Scene, tracing: bool) -> None:
     out.print()
     found = advisories(scene)
     if tracing:
-        text, more = _pilot(scene)
-        line(text, "")
+        texts, more = _pilot(scene)
+        for text in texts:
+            line(text, "")
         found += more
         out.print()
     out.print(Text(f"advisories: {len(found) or 'none'}", "bold"))
@@ -100,20 +101,23 @@ def _tell(text: str) -> None:
         print(text, file=sys.stderr, flush=True)
 
 
-def _pilot(scene: Scene) -> tuple[str, list[str]]:
-    """Return what a pilot found on one line, and what of that is worth a second look."""
+def _pilot(scene: Scene) -> tuple[list[str], list[str]]:
+    """Return what a pilot found, a line each, and what of that is worth a second look."""
     from hostcode.errors import HostError
     from photizon_cl.errors import PhotizonError
     from photizon_cl.run.media import clashing_media
+    from photizon_cl.run.outlay import outlay
     from photizon_cl.run.pilot import pilot
 
     try:
         found = pilot(scene)
         clashes = clashing_media(scene)
+        time = outlay(scene) if found.complete else None
     except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
-        return f"pilot: none was traced: {str(error) or 'no memory is left for it'}", []
-    advice = found.before(scene.run.rays_per_batch)
-    return f"pilot: {found}", [*clashes, *([advice] if advice else [])]
+        return [f"pilot: none was traced: {str(error) or 'no memory is left for it'}"], []
+    told = [f"pilot: {found}"] + ([] if time is None else [f"time: {time}"])
+    advice = [found.before(scene.run.rays_per_batch), "" if time is None else time.advice()]
+    return told, [*clashes, *filter(None, advice)]
 
 
 def _memory(compiled: CompiledScene) -> str:

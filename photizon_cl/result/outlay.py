@@ -1,0 +1,65 @@
+"""What a run will take, told before it: seconds to its target."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+__all__ = ["Outlay"]
+
+_LONG: Final = 1.5
+"""Times `max_seconds` that a target must take for a word: what is told may be off by a third."""
+
+
+@dataclass(frozen=True)
+class Outlay:
+    """Seconds to a run's target, by some rays of it.
+
+    Parameters
+    ----------
+    rays : int
+        Traced for it.
+    target : float
+        The run's target.
+    seconds, low, high : float
+        Of tracing until it is met, and between which they should lie in 95 of 100 runs.
+    batches : float
+        Of the run's rays.
+    max_seconds : float
+        Time at which the run ends.
+    """
+
+    rays: int
+    target: float
+    seconds: float
+    low: float
+    high: float
+    batches: float
+    max_seconds: float
+
+    def __str__(self) -> str:
+        aim = f"{100.0 * self.target:g} %"
+        n = round(self.batches)
+        return (
+            f"about {_time(self.seconds)} to the target of {aim} ({_time(self.low)} to "
+            f"{_time(self.high)}), {n} batch{'es' * (n != 1)}, by {self.rays} rays traced for it"
+        )
+
+    def advice(self) -> str:
+        """Return a sentence where the run's time will not do; else nothing."""
+        if self.seconds < _LONG * self.max_seconds:
+            return ""
+        reached = self.target * (self.seconds / self.max_seconds) ** 0.5
+        return (
+            f"the target of {100.0 * self.target:g} % takes about {_time(self.seconds)} here, and "
+            f"max_seconds ends the run after {_time(self.max_seconds)}, at about "
+            f"{100.0 * reached:.2g} %: raise max_seconds, or target_sigma"
+        )
+
+
+def _time(seconds: float) -> str:
+    if seconds < 100.0:
+        return f"{seconds:.2g} s"
+    if seconds < 6000.0:
+        return f"{seconds / 60.0:.2g} min"
+    return f"{seconds / 3600.0:.2g} h" if seconds < 360000.0 else f"{seconds / 86400.0:.2g} days"
