@@ -112,9 +112,11 @@ def _pilot(scene: Scene) -> tuple[list[str], list[str]]:
     try:
         found = pilot(scene)
         clashes = clashing_media(scene)
-        time = outlay(scene) if found.complete else None
     except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
         return [f"pilot: none was traced: {str(error) or 'no memory is left for it'}"], []
+    time = None
+    with suppress(PhotizonError, HostError, MemoryError):  # fewer rays than a run has may not do
+        time = outlay(scene) if found.complete else None
     told = [f"pilot: {found}"] + ([] if time is None else [f"time: {time}"])
     advice = [found.before(scene.run.rays_per_batch), "" if time is None else time.advice()]
     return told, [*clashes, *filter(None, advice)]
