@@ -52,6 +52,8 @@ _FIRST_STEPS: Final = 1 << 14
 _LAUNCH_SECONDS: Final = (0.05, 0.2)
 """A launch shorter than the first has twice the steps next time, one longer than the second half.
 Between launches a run may be given up."""
+_MERGED: Final = 64
+"""Integers of the tally that a work-group adds the copies of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -361,8 +363,9 @@ class Engine:
     def _launch_merge(self) -> None:
         if self._merge is None:
             return
-        size = self._tally.size // 8
-        self._cl.enqueue_nd_range_kernel(self.device.queue, self._merge, (size,), None)
+        # one group size whatever the number of cells: PoCL compiles a kernel for each
+        size = math.ceil(self._tally.size / (8 * _MERGED)) * _MERGED
+        self._cl.enqueue_nd_range_kernel(self.device.queue, self._merge, (size,), (_MERGED,))
 
     def _clear(self, buffer: cl.Buffer) -> None:
         zero = np.zeros(1, np.int64)
