@@ -21,7 +21,6 @@ from photizon_cl.cli.main import main
 from photizon_cl.result import csv_tables
 from photizon_cl.run.directory import CHECKPOINT, steady
 from photizon_cl.scene.writing import to_toml
-from photizon_cl.views import figures
 from photizon_cl.views.figures import draw_ledger, write_all
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -41,14 +40,6 @@ def run_out(folder, *more):
 @pytest.fixture(scope="module")
 def small():
     return pz.trace("box-room", batches=2, rays_per_batch=64)
-
-
-@pytest.fixture
-def few_figures(monkeypatch):
-    """Have results draw the ledger and the convergence alone: one rule holds for every figure."""
-    few = [kind for kind in figures.FIGURES if kind.stem in ("ledger", "convergence")]
-    for module in (figures, figures.table):
-        monkeypatch.setattr(module, "FIGURES", few)
 
 
 # -- files of the user's ---------------------------------------------------------------------------
@@ -72,8 +63,9 @@ def test_a_run_into_a_directory_of_the_users_own_files(names, small, tmp_path, c
     assert content(tmp_path) == before
 
 
+@pytest.mark.usefixtures("few_figures")
 @pytest.mark.parametrize("name", [*NAMES, "figures/ledger.png", "figures/convergence.png"])
-def test_what_was_changed_since_is_the_users(name, small, few_figures, tmp_path, capsys):
+def test_what_was_changed_since_is_the_users(name, small, tmp_path, capsys):
     small.save(tmp_path, figures="figures" in name)
     file = tmp_path / name
     if file.suffix == ".png":
@@ -102,7 +94,8 @@ def test_copies_of_ours_without_a_result_beside_them_are_kept(small, tmp_path):
                 small.save(alone, figures=False)
 
 
-def test_where_the_arrays_alone_were_removed_a_result_may_be_written(small, few_figures, tmp_path):
+@pytest.mark.usefixtures("few_figures")
+def test_where_the_arrays_alone_were_removed_a_result_may_be_written(small, tmp_path):
     small.save(tmp_path)
     (tmp_path / "result.nc").unlink()
     small.save(tmp_path)
@@ -134,7 +127,8 @@ def test_another_engines_batches_are_told_as_anothers(small, tmp_path, monkeypat
     assert "which this run's will replace" in capsys.readouterr().err
 
 
-def test_figures_and_drawings_are_not_written_over_pictures(small, few_figures, tmp_path, capsys):
+@pytest.mark.usefixtures("few_figures")
+def test_figures_and_drawings_are_not_written_over_pictures(small, tmp_path, capsys):
     for form in ("png", "svg"):
         file = tmp_path / f"box.{form}"
         for _ in range(2):  # a drawing is replaced by a drawing
@@ -281,7 +275,8 @@ def old(path):
     return path
 
 
-def test_every_writer_clears_what_killed_ones_left(small, few_figures, tmp_path, capsys):
+@pytest.mark.usefixtures("few_figures")
+def test_every_writer_clears_what_killed_ones_left(small, tmp_path, capsys):
     left = [f"{TEMPORARY}abcd1234.nc", f"figures/{TEMPORARY}abcd1234.png", f"{TEMPORARY}abcd1234"]
     small.save(tmp_path, figures=False)
     kept = old(tmp_path / "notes" / f"{TEMPORARY}abcd1234.nc")

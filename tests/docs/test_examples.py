@@ -13,6 +13,7 @@ WRITTEN = sorted(p.name for p in (ROOT / "docs").glob("*.md") if p.name != "add-
 KINDS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]
 
 
+@pytest.mark.usefixtures("few_figures")
 @pytest.mark.parametrize("name", WRITTEN)
 def test_page(name, tmp_path):
     Runner(tmp_path).run(ROOT / "docs" / name)
