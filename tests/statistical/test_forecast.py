@@ -60,7 +60,7 @@ def test_time_ends_it():
 
 def test_it_is_kept(tmp_path):
     seen = []
-    found = pz.trace("box-room", target=0.02, rays_per_batch=256, progress=seen.append)
+    found = pz.trace("box-room", target=0.05, rays_per_batch=256, progress=seen.append)
     told = found.info.forecast
     assert told is not None
     assert seen[-1].forecast == told
