@@ -124,7 +124,8 @@ class _Walk:
         index = both[met, (end_side > 0).astype(int)]
         self.launched = _grouped(seen & ~known, weight, met, index)
         seen &= known
-        self.met = np.bincount(met[seen], weight[seen], len(self.indices))
+        n = len(self.indices)
+        self.met = np.bincount(met[seen], weight[seen], n).astype(np.float64)
         other = np.abs(index - at) > _SAME * index
         self.clashes = _grouped(seen & other, weight, said_by, at, met, index)
 
