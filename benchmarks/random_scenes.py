@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
+
 import numpy as np
 
 import photizon_cl as pz
@@ -84,8 +86,11 @@ def filled_scene(n, seed, simple=False):
     return pz.Scene(name="filled", source=(source,), element=tuple(elements))
 
 
-def tiled_scene(n, seed):
-    """Return a closed room whose walls are tiled by n rectangles, with a few things in it."""
+def tiled_scene(n, seed, simple=False):
+    """Return a closed room whose walls are tiled by n rectangles, with a few things in it.
+
+    `simple` keeps to planes and spheres.
+    """
     g = np.random.default_rng(seed)
     side = max(int(np.ceil(np.sqrt(n / 6.0))), 1)
     half = 1.0 / side
@@ -105,9 +110,22 @@ def tiled_scene(n, seed):
             "name": f"e{i}", "position": tuple(float(x) for x in g.uniform(-0.8, 0.8, 3)),
             "axis": AXES[(i // 10) % 6], "surface": SURFACES[i % 5],
         }  # fmt: skip
-        elements.append(_element(i, g, 0.05, common))
+        elements.append(_element(i % 6 if simple else i, g, 0.05, common))
     source = pz.IsotropicPoint(name="s", flux=1.0, position=(0.01, 0.02, 0.03))
     return pz.Scene(name="tiled", source=(source,), element=tuple(elements))
+
+
+LENGTHS = frozenset({
+    "radius", "half_width", "half_height", "curvature_radius", "aperture_radius", "front_radius",
+    "back_radius", "length", "clear_half_width", "exit_radius",
+})  # fmt: skip
+
+
+def elsewhere(elements, unit, away):
+    """Return elements in units of another length, moved along every axis."""
+    for e in elements:
+        row = {f.name: unit * getattr(e, f.name) for f in fields(e) if f.name in LENGTHS}
+        yield replace(e, position=tuple(unit * x + away for x in e.position), **row)
 
 
 def _room():

@@ -66,6 +66,17 @@ def pocl(request: pytest.FixtureRequest, usable_devices: list[DeviceRecord]) -> 
     pytest.skip(f"no usable PoCL of {request.param} on this machine")
 
 
+@pytest.fixture
+def few_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have results draw two figures: where files matter, two do as well as the six of a room."""
+    from photizon_cl.views import figures
+    from photizon_cl.views.figures import table
+
+    few = tuple(kind for kind in table.FIGURES if kind.stem in ("ledger", "convergence"))
+    for module in (figures, table):
+        monkeypatch.setattr(module, "FIGURES", few)
+
+
 @pytest.fixture(scope="session")
 def run_python() -> Callable[..., str]:
     """Return a function that runs Python code in a process of its own and gives what it prints."""

@@ -23,7 +23,7 @@ from hostcode.run.queue import Queue
 from hostcode.run.readout import read_dense, read_sparse
 from hostcode.run.sizes import LEAST, Sizes, hit_sizes
 from hostcode.run.tables import launch_of
-from hostcode.run.tally import is_sparse
+from hostcode.run.tally import CELL, is_sparse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -52,6 +52,8 @@ _FIRST_STEPS: Final = 1 << 14
 _LAUNCH_SECONDS: Final = (0.05, 0.2)
 """A launch shorter than the first has twice the steps next time, one longer than the second half.
 Between launches a run may be given up."""
+_MERGED: Final = 256
+"""Integers of the tally that a work-group adds the copies of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +136,7 @@ class Engine:
         self._tally = allocate(tally)
         self._tally_copies = allocate(self._copies * self._tally.size)
         self._steps = min(_FIRST_STEPS, plan.max_bounces)
-        self._clean = False  # whether nothing of an earlier run is left in the tally's copies
+        self._clean = 0  # slots of whose tallies nothing is left in the copies
         self._record_capacity = sizes.records
         reals, words = sizes.buffers["records"]
         self._records = (allocate(reals), allocate(words))
@@ -233,7 +235,7 @@ class Engine:
             self._cl.enqueue_nd_range_kernel(
                 self.device.queue, kernel, (size,), (self.plan.local_size,)
             )
-        self._launch_merge()
+        self._launch_merge(self._slots)
         self.device.queue.finish()
         for program in self._programs:
             program.keep()
@@ -273,10 +275,10 @@ class Engine:
 
     def _run_slots(self, first_batch: int, slots: int) -> Sequence[NDArray[np.int64] | SparseTally]:
         self._write_launch(first_batch)
-        self._clear(self._tally)
-        if not self._clean:
-            self._clear(self._tally_copies)
-        self._clean = False
+        self._clear(self._tally, slots)
+        clean, self._clean = self._clean, 0
+        if slots > clean:
+            self._clear(self._tally_copies, slots, self._copies)
         total: Any = None
         events = 0
         for items in self._waves(slots):
@@ -290,7 +292,7 @@ class Engine:
                 events += interactions + passed
                 if events > _EVENTS_BEFORE_FLUSH:
                     total = self._read(slots, total)
-                    self._clear(self._tally)
+                    self._clear(self._tally, slots)
                     events = 0
                 if not unfinished:
                     break
@@ -301,7 +303,7 @@ class Engine:
                 elif self._adapt(took):
                     self._write_launch(first_batch)
         tallies: Sequence[NDArray[np.int64] | SparseTally] = self._read(slots, total)
-        self._clean = True
+        self._clean = max(slots, clean)
         return tallies
 
     def _adapt(self, took: float) -> bool:
@@ -358,19 +360,27 @@ class Engine:
         self._bind()
         self._write_launch(first_batch)
 
-    def _launch_merge(self) -> None:
+    def _launch_merge(self, slots: int) -> None:
         if self._merge is None:
             return
-        size = self._tally.size // 8
-        self._cl.enqueue_nd_range_kernel(self.device.queue, self._merge, (size,), None)
+        # one group size whatever the number of cells: PoCL compiles a kernel for each
+        size = (self._integers(slots),)
+        self._cl.enqueue_nd_range_kernel(self.device.queue, self._merge, size, (_MERGED,))
 
-    def _clear(self, buffer: cl.Buffer) -> None:
-        zero = np.zeros(1, np.int64)
-        self._cl.enqueue_fill_buffer(self.device.queue, buffer, zero, 0, buffer.size)
+    def _integers(self, slots: int) -> int:
+        """Return how many integers the first slots' tallies have, in whole work-groups."""
+        return math.ceil(slots * self.tables.n_cells * CELL / _MERGED) * _MERGED
+
+    def _clear(self, buffer: cl.Buffer, slots: int, copies: int = 1) -> None:
+        """Clear what the first slots' tallies hold: the others are neither added to nor read."""
+        zero, whole = np.zeros(1, np.int64), 8 * CELL * self.tables.n_cells * self._slots
+        size = min(8 * self._integers(slots), whole)
+        for copy in range(copies):
+            self._cl.enqueue_fill_buffer(self.device.queue, buffer, zero, copy * whole, size)
 
     def _read(self, slots: int, before: Any) -> Any:
         """Return what the slots' tallies hold, with what was read of them before."""
-        self._launch_merge()
+        self._launch_merge(slots)
         n_cells = self.tables.n_cells
         if is_sparse(n_cells):
             return [read_sparse(self.device, self._tally, n_cells, before[0] if before else None)]

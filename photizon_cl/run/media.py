@@ -10,9 +10,8 @@ where it is met as from glass and also ends in glass, all of it would have to be
 from __future__ import annotations
 
 import dataclasses
-from collections import defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -92,46 +91,43 @@ class _Walk:
     def __init__(self, scene: Scene, found: Paths, device: DeviceRecord | str | None) -> None:
         self.scene, self.found = scene, found
         self.indices = [e.surface.indices for e in scene.element]
-        self.clashes: dict[tuple[int, float, int, float], _Meeting] = defaultdict(_Meeting)
-        self.met: dict[int, float] = defaultdict(float)
+        self.clashes: dict[tuple[int, float, int, float], _Meeting]
+        self.met: NDArray[np.float64]
         """Weight that meets each refracting element in a medium that is known."""
-        self.launched: dict[tuple[int, float], _Meeting] = defaultdict(_Meeting)
+        self.launched: dict[tuple[int, float], _Meeting]
         """What comes from the sources, by the element that it meets first and the index there."""
-        self.ends: dict[float, float] = defaultdict(float)
+        self.ends: dict[float, float]
         """Weight that ends, by the index of the medium."""
         self._go(*_sides(scene, found, device))
 
     def _go(self, start_side: NDArray[np.int64], end_side: NDArray[np.int64]) -> None:
-        found = self.found
-        at = np.full(len(found), np.nan)  # index that the segment is in, where a face said it
-        said_by = np.full(len(found), -1)
-        for n, (parent, met, weight) in enumerate(
-            zip(found.parent.tolist(), found.element.tolist(), found.weight.tolist(), strict=True)
-        ):
-            if parent >= 0:
-                left = int(found.element[parent])
-                both = self.indices[left]
-                if both is None:  # reflected, or it passed
-                    at[n], said_by[n] = at[parent], said_by[parent]
-                elif start_side[n]:
-                    at[n], said_by[n] = both[int(start_side[n] > 0)], left
-            both = self.indices[met] if met >= 0 else None
-            if both is None:
-                if not np.isnan(at[n]) and ENDINGS[found.ending[n]] in ("escaped", "absorbed"):
-                    self.ends[float(at[n])] += weight
-                continue
-            if not end_side[n]:
-                continue
-            index = both[int(end_side[n] > 0)]
-            if np.isnan(at[n]):
-                self.launched[met, index].weight += weight
-                self.launched[met, index].segments += 1
-                continue
-            self.met[met] += weight
-            if abs(index - at[n]) > _SAME * index:
-                clash = self.clashes[int(said_by[n]), float(at[n]), met, index]
-                clash.weight += weight
-                clash.segments += 1
+        found, met, weight = self.found, self.found.element, self.found.weight
+        # the last row is that of no element, which is number -1
+        both = np.array([*(pair or (np.nan, np.nan) for pair in self.indices), (np.nan, np.nan)])
+        bends = ~np.isnan(both[:, 0])
+        goes_on = found.parent >= 0
+        left = np.where(goes_on, met[found.parent], -1)
+        told = bends[left] & (start_side != 0)
+        at = np.where(told, both[left, (start_side > 0).astype(int)], np.nan)
+        said_by = np.where(told, left, -1)
+        # what is reflected, or passes, is where the segment before it was
+        origin = np.where(goes_on & ~bends[left], found.parent, np.arange(len(found)))
+        while (further := origin[origin]).tolist() != origin.tolist():
+            origin = further
+        at, said_by = at[origin], said_by[origin]
+        known = ~np.isnan(at)
+
+        over = np.isin(found.ending, (ENDINGS.index("escaped"), ENDINGS.index("absorbed")))
+        ends = _grouped(known & over & ~bends[met], weight, at)
+        self.ends = {index: meeting.weight for (index,), meeting in ends.items()}
+        seen = bends[met] & (end_side != 0)
+        index = both[met, (end_side > 0).astype(int)]
+        self.launched = _grouped(seen & ~known, weight, met, index)
+        seen &= known
+        n = len(self.indices)
+        self.met = np.bincount(met[seen], weight[seen], n).astype(np.float64)
+        other = np.abs(index - at) > _SAME * index
+        self.clashes = _grouped(seen & other, weight, said_by, at, met, index)
 
     def sentences(self) -> list[str]:
         """Return what is worth a word, the strongest first, each pair of faces once."""
@@ -179,7 +175,11 @@ class _Walk:
         if first is None or not ends:
             return []
         (met, index), meeting = first
-        if index == 1.0 or meeting.segments < _LEAST or self.ends[index] < _THROUGHOUT * ends:
+        if (
+            index == 1.0
+            or meeting.segments < _LEAST
+            or self.ends.get(index, 0.0) < _THROUGHOUT * ends
+        ):
             return []
         name = self.scene.element[met].name
         said = (
@@ -202,12 +202,28 @@ def _sides(
     middle = found.start + 0.5 * along
     inside = np.flatnonzero((along != 0.0).any(axis=1))
     before = np.where(found.parent >= 0, found.element[found.parent], -1)
-    sides = []
-    for towards, wanted in ((-along, before), (along, found.element)):
-        side = np.zeros(len(found), np.int64)
-        seen = probe(scene, middle[inside], towards[inside], device)
-        known = (seen.element == wanted[inside]) & (seen.element >= 0)
-        facing = -(towards[inside] * seen.normal).sum(axis=1)
-        side[inside[known]] = np.sign(facing[known])
-        sides.append(side)
+    sides = np.zeros((2, len(found)), np.int64)
+    towards = np.concatenate([-along[inside], along[inside]])
+    seen = probe(scene, np.tile(middle[inside], (2, 1)), towards, device)
+    facing = np.sign(-(towards * seen.normal).sum(axis=1))
+    wanted = np.concatenate([before[inside], found.element[inside]])
+    known = (seen.element == wanted) & (seen.element >= 0)
+    sides[:, inside] = np.where(known, facing, 0.0).reshape(2, -1)
     return sides[0], sides[1]
+
+
+def _grouped(
+    chosen: NDArray[np.bool_], weight: NDArray[np.float64], *columns: NDArray[Any]
+) -> dict[tuple[Any, ...], _Meeting]:
+    """Return weight and number of chosen segments by what columns hold, in order of the first."""
+    keys = np.zeros(int(chosen.sum()), np.int64)
+    for column in columns:
+        values, codes = np.unique(column[chosen], return_inverse=True)
+        keys = keys * max(len(values), 1) + codes
+    _, first, group = np.unique(keys, return_index=True, return_inverse=True)
+    weights, segments = np.bincount(group, weight[chosen]), np.bincount(group)
+    rows = [column[chosen][first].tolist() for column in columns]
+    return {
+        tuple(row[n] for row in rows): _Meeting(float(weights[n]), int(segments[n]))
+        for n in np.argsort(first).tolist()
+    }

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from oracles.engine import with_tree
 
 import photizon_cl as pz
-from benchmarks.random_scenes import filled_scene, random_scene, tiled_scene
+from benchmarks.random_scenes import elsewhere, filled_scene, random_scene, tiled_scene
 from benchmarks.visits import visits
 from hostcode.device.device import preferred_lanes
 from hostcode.program.plan import default_plan
@@ -23,10 +22,6 @@ from photizon_cl.scene.settings import RunSettings
 
 # fifty sizes from 10 to 10^4
 SIZES = [round(10 ** (1.0 + 3.0 * k / 49)) for k in range(50)]
-LENGTHS = (
-    "radius", "half_width", "half_height", "curvature_radius", "aperture_radius", "front_radius",
-    "back_radius", "length", "clear_half_width", "exit_radius",
-)  # fmt: skip
 RUN = RunSettings(rays_per_batch=1024, generation_cap=40)
 FEWER = RunSettings(rays_per_batch=256, generation_cap=40)
 
@@ -100,12 +95,10 @@ def test_the_bits_do_not_depend_on_what_is_cached(device, lanes, simple):
 
 @pytest.mark.parametrize(("unit", "away"), [(1.0, 0.0), (2.0**-30, 0.0), (1e9, 0.0), (1.0, 3e5)])
 def test_rays_along_the_axes_far_away_tiny_and_huge(device, unit, away):
-    # a beam down an axis: two components of every direction are 0, and rays run in sides of boxes
-    scene = tiled_scene(600, seed=4)
-    elements = []
-    for e in scene.element:
-        row = {f.name: unit * getattr(e, f.name) for f in fields(e) if f.name in LENGTHS}
-        elements.append(replace(e, position=tuple(unit * x + away for x in e.position), **row))
+    # a beam down an axis: two components of every direction are 0, and rays run in sides of boxes;
+    # of every kind the hits: test_tree_nodes.py
+    scene = tiled_scene(600, seed=4, simple=True)
+    elements = elsewhere(scene.element, unit, away)
     beam = pz.CollimatedDisk(
         name="s", flux=1.0, position=(away, away, away), axis="+z", radius=0.9 * unit
     )

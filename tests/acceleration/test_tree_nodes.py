@@ -9,7 +9,7 @@ import pytest
 from oracles.engine import with_tree
 
 import photizon_cl as pz
-from benchmarks.random_scenes import AXES, filled_scene, tiled_scene
+from benchmarks.random_scenes import AXES, elsewhere, filled_scene, tiled_scene
 from hostcode import templates
 from hostcode.program import build, source
 from hostcode.run.probe import probe_rays
@@ -94,10 +94,24 @@ def steep_rays():
     return np.array(rays)
 
 
-@pytest.mark.parametrize("make", [pytest.param(tiled_scene, marks=pytest.mark.slow), filled_scene])
-def test_rays_all_but_along_the_axes_hit_what_the_plain_scan_hits(device, make):
+@pytest.mark.parametrize(
+    ("make", "n", "unit", "away"),
+    [
+        pytest.param(tiled_scene, 1000, 1.0, 0.0, marks=pytest.mark.slow),
+        pytest.param(filled_scene, 1000, 1.0, 0.0, marks=pytest.mark.slow),
+        (filled_scene, 512, 1.0, 0.0),
+        (filled_scene, 216, 2.0**-30, 0.0),
+        (filled_scene, 216, 1e9, 0.0),
+        (filled_scene, 216, 1.0, 3e5),
+    ],
+)
+def test_rays_all_but_along_the_axes_hit_what_the_plain_scan_hits(device, make, n, unit, away):
     run = RunSettings(rays_per_batch=1024)
-    scene, rays = make(1000, 6), steep_rays()
+    scene, rays = make(n, 6), steep_rays()
+    scene = pz.Scene(
+        name="elsewhere", source=scene.source, element=tuple(elsewhere(scene.element, unit, away))
+    )
+    rays[:, :3] = unit * rays[:, :3] + away - compile_scene(scene, run).shift
     found = [
         probe_rays(device, compile_scene(scene, run, **with_tree(tree)).tables, rays, 1)
         for tree in (False, True)

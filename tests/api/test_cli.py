@@ -140,8 +140,9 @@ def test_losing_the_result_of_another_run_is_said(arguments, lost, run, room, tm
 
 
 def test_a_shorter_run_leaves_nothing_unfinished(run, tmp_path):
-    assert run(*RUN[:2], "--batches", "4", "--rays-per-batch", "64", "--out", tmp_path)[0] == 0
-    status, _, err = run(*RUN[:2], "--batches", "2", "--rays-per-batch", "64", "--out", tmp_path)
+    again = [*RUN[:2], "--rays-per-batch", "64", "--no-figures", "--out", tmp_path]
+    assert run(*again, "--batches", "4")[0] == 0
+    status, _, err = run(*again, "--batches", "2")
     assert status == 1
     assert "is kept" in err
     assert not (tmp_path / "checkpoint.nc").exists()
@@ -163,8 +164,8 @@ def test_json_is_the_summary_and_nothing_else(run):
 
 def test_out_holds_the_result(run, tmp_path):
     folder = tmp_path / "out"
-    for _ in range(2):  # the second run replaces the first
-        status, out, _ = run(*RUN, "--out", folder)
+    for more in (["--no-figures"], []):  # the second run replaces the first
+        status, out, _ = run(*RUN, *more, "--out", folder)
         assert status == 0
         assert str(folder) in out
     assert {p.name for p in folder.iterdir()} == {

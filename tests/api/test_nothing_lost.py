@@ -37,7 +37,7 @@ def run_out(folder, *more):
                  str(folder), *more])  # fmt: skip
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def small():
     return pz.trace("box-room", batches=2, rays_per_batch=64)
 
@@ -63,6 +63,7 @@ def test_a_run_into_a_directory_of_the_users_own_files(names, small, tmp_path, c
     assert content(tmp_path) == before
 
 
+@pytest.mark.usefixtures("few_figures")
 @pytest.mark.parametrize("name", [*NAMES, "figures/ledger.png", "figures/convergence.png"])
 def test_what_was_changed_since_is_the_users(name, small, tmp_path, capsys):
     small.save(tmp_path, figures="figures" in name)
@@ -93,6 +94,7 @@ def test_copies_of_ours_without_a_result_beside_them_are_kept(small, tmp_path):
                 small.save(alone, figures=False)
 
 
+@pytest.mark.usefixtures("few_figures")
 def test_where_the_arrays_alone_were_removed_a_result_may_be_written(small, tmp_path):
     small.save(tmp_path)
     (tmp_path / "result.nc").unlink()
@@ -121,10 +123,11 @@ def test_another_engines_batches_are_told_as_anothers(small, tmp_path, monkeypat
     monkeypatch.setattr("photizon_cl.run.directory.engine_digest", lambda: "other")
     with pytest.raises(pz.ResultError, match="by another version of the engine, and is kept"):
         small.save(tmp_path, figures=False)
-    assert run_out(tmp_path) == 0
+    assert run_out(tmp_path, "--no-figures") == 0
     assert "which this run's will replace" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("few_figures")
 def test_figures_and_drawings_are_not_written_over_pictures(small, tmp_path, capsys):
     for form in ("png", "svg"):
         file = tmp_path / f"box.{form}"
@@ -272,6 +275,7 @@ def old(path):
     return path
 
 
+@pytest.mark.usefixtures("few_figures")
 def test_every_writer_clears_what_killed_ones_left(small, tmp_path, capsys):
     left = [f"{TEMPORARY}abcd1234.nc", f"figures/{TEMPORARY}abcd1234.png", f"{TEMPORARY}abcd1234"]
     small.save(tmp_path, figures=False)

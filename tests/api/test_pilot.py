@@ -203,7 +203,7 @@ def test_check_and_run_say_the_same_of_trapped_light(tmp_path, capsys):
     (text,) = [text for text in result.advisories if "generation cap" in text]
     assert "a higher cap does not help" in text
     assert "raise generation_cap" not in text
-    result.save(tmp_path / "out")
+    result.save(tmp_path / "out", figures=False)
     again = pz.open_result(tmp_path / "out")
     assert again.info.pilot == result.info.pilot
     assert again.advisories == result.advisories

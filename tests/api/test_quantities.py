@@ -196,6 +196,7 @@ def test_what_nothing_reaches_meets_no_target():
     assert "nothing came to ledger.escaped" in said
 
 
+@pytest.mark.usefixtures("few_figures")
 def test_what_is_said_is_said_of_the_quantities(tmp_path, capsys):
     asked = {"target": 1e-4, "target_on": ["detectors.floor.power"], "batches": 9}
     found = pz.trace("box-room", rays_per_batch=512, **asked)

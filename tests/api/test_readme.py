@@ -16,6 +16,7 @@ def blocks(language):
     return re.findall(rf"^```{language}\n(.*?)^```", README.read_text("utf-8"), re.M | re.S)
 
 
+@pytest.mark.usefixtures("few_figures")
 @pytest.mark.skipif(not README.exists(), reason="no README beside the tests")
 def test_the_ledger_is_what_the_command_prints(capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
@@ -26,6 +27,7 @@ def test_the_ledger_is_what_the_command_prints(capsys, monkeypatch, tmp_path):
     assert printed[printed.index(start) :] == shown[shown.index(start) :]
 
 
+@pytest.mark.usefixtures("few_figures")
 @pytest.mark.skipif(not README.exists(), reason="no README beside the tests")
 def test_the_python_example_runs(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)

@@ -58,7 +58,7 @@ def test_it_is_a_part_of_the_balance(result):
 
 
 def test_it_is_in_files_and_comes_back(result, tmp_path):
-    result.save(tmp_path / "run")
+    result.save(tmp_path / "run", figures=False)
     assert "lost in the fog" in (tmp_path / "run" / "ledger.csv").read_text("utf-8")
     again = pz.open_result(tmp_path / "run")
     assert again.ledger == result.ledger
@@ -120,7 +120,7 @@ def test_cells_of_another_unit_are_scaled(monkeypatch, tmp_path, capsys):
     way = result.tallies["way"]
     assert way.unit == "W·m"
     assert [(c.value, c.count) for c in way.values()] == [(1024.0, 512), (1536.0, 512)]
-    result.save(tmp_path / "run")
+    result.save(tmp_path / "run", figures=False)
     assert "value_W·m" in (tmp_path / "run" / "tally-way.csv").read_text("utf-8")
     assert result.summary()["tally_units"] == {"way": "W·m"}
     again = pz.open_result(tmp_path / "run").tallies["way"]

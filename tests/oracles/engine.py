@@ -239,6 +239,9 @@ def trace_compiled(
     plan: ExecutionPlan = PLAN,
 ) -> Traced:
     """Trace batches of a compiled scene."""
+    if plan is PLAN:  # room for more batches than there are costs more than to trace a few rays
+        rays = batches * made.settings.rays_per_batch
+        plan = plan.with_(wave_rays=min(plan.wave_rays, rays))
     engine = Engine(device or open_device(), made.tables, plan)
     done = tuple(tally.cells for tally in engine.run(first, batches))
     return Traced(made, done, engine.statistics.interactions, first)

@@ -225,6 +225,7 @@ def test_checkpoints_take_a_small_part_of_the_time(tmp_path, monkeypatch):
     assert 1 <= len(written) <= 1 + next(ticks) // 50
 
 
+@pytest.mark.usefixtures("few_figures")
 def test_command_line(whole, tmp_path, capsys):
     killed(tmp_path)
     assert main(["resume", str(tmp_path), "--json"]) == 0

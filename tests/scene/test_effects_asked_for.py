@@ -38,7 +38,7 @@ def test_files_recipes_and_results_keep_it(tmp_path):
     again = pz.Recipe.read(result.recipe).trace()
     assert again.scene.run.effects == scene.run.effects
     assert again.tally_digest == result.tally_digest
-    result.save(tmp_path / "run")
+    result.save(tmp_path / "run", figures=False)
     assert pz.open_result(tmp_path / "run").scene.run.effects == scene.run.effects
 
 
