@@ -267,7 +267,9 @@ class ProgramSpec:
     n_elements: int
     """Number of elements where the ledger is kept in registers, else 0."""
     real: str = "double"
-    """C type of lengths, directions and weights: ``double`` or ``float``."""
+    """C type of lengths and directions: ``double`` or ``float``."""
+    weight: str = "double"
+    """C type of weights: that, or ``double``."""
     lanes: int = 1
     packets: int = 1
     """Packets of so many lanes that a work-item keeps at once."""
