@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
-
-import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,7 +55,10 @@ class Precision:
 
     def weighed(self, weight: float) -> float:
         """Return a weight as a ray carries it."""
-        return weight if self.weight == "double" else float(np.float32(weight))
+        if self.weight == "double":
+            return weight
+        (rounded,) = struct.unpack("f", struct.pack("f", weight))
+        return float(rounded)
 
 
 FP64: Final = Precision("fp64", "double", "double", "double precision throughout")

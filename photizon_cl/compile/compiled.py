@@ -26,10 +26,10 @@ from photizon_cl.compile.packing import (
     strides,
     surface_kinds,
 )
-from photizon_cl.compile.placing import recentre, recentred
 from photizon_cl.compile.quantities import watched
 from photizon_cl.compile.rays import check_weights, ray_weights, share_rays
 from photizon_cl.errors import ArgumentError, Problem, SceneError, show
+from photizon_cl.geometry.placing import recentre, recentred
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -131,7 +131,9 @@ def compile_scene(
     weights = [mode.weighed(weight) for weight in exact_weights]
     shift = recentre(scene)
     forced = force | _asked_for(scene, settings)
-    used = _effects_in_use(recentred(scene, shift, mode), settings, forced, without, mode.roundoff)
+    used = _effects_in_use(
+        recentred(scene, shift, mode.roundoff), settings, forced, without, mode.roundoff
+    )
     layout = lay_out(
         scene,
         [row for effect, _ in used for row in effect.rows(scene)],

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from hostcode.program.precision import FP64
 from hostcode.program.spec import TallyForm
-from photizon_cl.compile.placing import recentred
 from photizon_cl.geometry.neighbours import Neighbours
+from photizon_cl.geometry.placing import recentred
 from photizon_cl.geometry.wedges import edge_factors
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class Draft:
     @cached_property
     def near(self) -> Neighbours:
         """Which elements are near each other."""
-        placed = recentred(self.scene, self.shift, self.precision)
+        placed = recentred(self.scene, self.shift, self.precision.roundoff)
         return Neighbours(placed.element, self.precision.roundoff)
 
     @cached_property

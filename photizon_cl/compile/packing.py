@@ -9,8 +9,8 @@ import numpy as np
 from hostcode.errors import HostError
 from hostcode.program.codes import decode, encode
 from hostcode.program.spec import CACHE_LINE, ElementClass, SourceKind, Strides, SurfaceKind
-from photizon_cl.compile.placing import bounded, moved
 from photizon_cl.errors import ArgumentError
+from photizon_cl.geometry.placing import bounded, moved
 from photizon_cl.scene.frames import axis_index
 from photizon_cl.scene.rows import Row
 
@@ -253,7 +253,7 @@ def geometry_table(
     rows = zip(table, elements, class_of, draft.at_edges.tolist(), strict=True)
     for row, element, cls, at_edges in rows:
         x, y, z = moved(element.position, draft.shift)
-        centre = bounded(element.position, draft.shift, draft.precision)
+        centre = bounded(element.position, draft.shift, draft.precision.roundoff)
         packed = element.row.pack(
             element.packed(centre, cls.axis, at_edges, draft.precision.roundoff)
         )

@@ -216,7 +216,7 @@ def _add_batches(
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
-    full, forecast = "", info.forecast
+    full, forecast, portable = "", info.forecast, info.portable
     history = History(info.history, info.seconds)
 
     def so_far(stopped: str = "") -> RunInfo:
@@ -230,6 +230,7 @@ def _add_batches(
             history=history.rows,
             stopped=stopped,
             forecast=forecast,
+            portable=portable,
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
@@ -250,6 +251,7 @@ def _add_batches(
                     if done:
                         break  # what was computed beyond is dropped: the goal fixes the bits
                 label, build = chunk.device, max(build, chunk.build_seconds)
+                portable = portable and chunk.portable
                 clock.note(tally.batches)
                 history.note(compiled.layout, tally, clock.elapsed())
                 if forecast is None and not done:

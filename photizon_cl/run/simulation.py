@@ -10,7 +10,7 @@ from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.statistics import Accumulator
 from photizon_cl.run.batches import go_on, goal_of, refine, with_settings
 from photizon_cl.run.checkpoint import latest
-from photizon_cl.run.modes import mode_of
+from photizon_cl.run.modes import fitting_mode
 from photizon_cl.run.result import Result
 from photizon_cl.scene.files import load
 
@@ -94,7 +94,7 @@ def trace(
     Raises
     ------
     SceneError, ArgumentError
-        Where the scene or an argument is not valid.
+        Where the scene or an argument is not valid, or the precision cannot carry the scene.
     ResultError
         Where `checkpoint` cannot be used, or holds another unfinished run.
     RunError
@@ -105,7 +105,6 @@ def trace(
     RunWarning
         Where an executor or a checkpoint fails and the run goes on all the same.
     """
-    mode_of(precision)
     as_run = with_settings(
         load(scene),
         seed=seed,
@@ -114,6 +113,7 @@ def trace(
         max_seconds=max_seconds,
         rays_per_batch=rays_per_batch,
     )
+    fitting_mode(precision, as_run)
     goal = goal_of(as_run, batches, target, max_seconds)
     if as_run.run.rays_per_batch < len(as_run.source):
         raise ArgumentError(

@@ -40,7 +40,7 @@ HOST = {
 # What of the device's side is known outside it; where nothing stands, nothing is.
 ACROSS = {
     "compile": "errors program run",
-    "result": "assets run",
+    "result": "assets program run",
     "run": "errors device program run",
     "stability": "device run",
     "cli": "errors device",

@@ -11,7 +11,8 @@ import numpy as np
 from photizon_cl.scene.elements.base import ROUNDOFF
 
 if TYPE_CHECKING:
-    from hostcode.program.precision import Precision
+    from collections.abc import Sequence
+
     from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.model import Scene
 
@@ -36,33 +37,37 @@ def recentre(scene: Scene) -> tuple[float, float, float]:
     return (x, y, z)
 
 
-def moved(position: Vec3, shift: Vec3) -> Vec3:
+def moved(position: Sequence[float], shift: Vec3) -> Vec3:
     """Return a position in the device's coordinates."""
     return (position[0] - shift[0], position[1] - shift[1], position[2] - shift[2])
 
 
-def bounded(position: Vec3, shift: Vec3, precision: Precision) -> Vec3:
+def bounded(position: Sequence[float], shift: Vec3, roundoff: float) -> Vec3:
     """Return the size of each coordinate of a position that its rounding follows, in metres.
 
     Two elements that share an edge agree on it only to the rounding of the positions that they were
     given, in doubles, however near the recentred scene is; and to that of the kernels' coordinates.
     """
-    coarser = ROUNDOFF / precision.roundoff
+    coarser = ROUNDOFF / roundoff
     x, y, z = (
         max(abs(c), abs(q) * coarser) for c, q in zip(moved(position, shift), position, strict=True)
     )
     return (x, y, z)
 
 
-def recentred(scene: Scene, shift: Vec3, precision: Precision) -> Scene:
+def recentred(scene: Scene, shift: Vec3, roundoff: float) -> Scene:
     """Return the scene in which elements touch or not, to the rounding of the kernels' coordinates.
 
     In double precision that is the scene as it was given, whose positions are as coarse.
     """
-    if not precision.single or shift == (0.0, 0.0, 0.0):
+    if roundoff == ROUNDOFF or shift == (0.0, 0.0, 0.0):
         return scene
-    source, element = (
-        tuple(dataclasses.replace(thing, position=moved(thing.position, shift)) for thing in things)
-        for things in (scene.source, scene.element)
+    return dataclasses.replace(
+        scene,
+        source=tuple(
+            dataclasses.replace(s, position=moved(s.position, shift)) for s in scene.source
+        ),
+        element=tuple(
+            dataclasses.replace(e, position=moved(e.position, shift)) for e in scene.element
+        ),
     )
-    return dataclasses.replace(scene, source=source, element=element)
