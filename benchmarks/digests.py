@@ -6,9 +6,9 @@
     python -m benchmarks.digests --precision fp32     only those of a mode; may be given again
 
 Each preset has a digest in each precision; single precision is compared on devices that promise
-its bits. Stored beside each digest is one of the preset's compiled tables, so that a changed preset is told
-from a device that computes something else. Digests change with the kernels' arithmetic and with
-nothing else; who changes either writes them anew and says so.
+its bits. Stored beside each digest is one of the preset's compiled tables, so that a changed preset
+is told from a device that computes something else. Digests change with the kernels' arithmetic and
+with nothing else; who changes either writes them anew and says so.
 """
 
 from __future__ import annotations

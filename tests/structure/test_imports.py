@@ -42,7 +42,7 @@ ACROSS = {
     "compile": "errors program run",
     "result": "assets program run",
     "run": "errors device program run",
-    "stability": "device run",
+    "stability": "device program run",
     "cli": "errors device",
 }
 
