@@ -53,12 +53,13 @@ def rounded_elements(elements: tuple[Element, ...]) -> tuple[Element, ...]:
         Where one is none that can be, so rounded.
     """
     shift = recentre(scene_of(elements))
-    return tuple(
-        dataclasses.replace(
-            e, position=_place(e.position, shift), **{n: single(x) for n, x in _lengths(e)}
+    found = []
+    for element in elements:
+        changes: dict[str, Any] = {name: single(x) for name, x in _lengths(element)}
+        found.append(
+            dataclasses.replace(element, position=_place(element.position, shift), **changes)
         )
-        for e in elements
-    )
+    return tuple(found)
 
 
 def rounded_case(case: Case, elements: tuple[Element, ...], shift: Triple) -> Case:
