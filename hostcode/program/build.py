@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from hostcode.device import kept_kernels
+from hostcode.device import kept_kernels, single
 from hostcode.errors import KernelBuildError
 from hostcode.program.source import hook_name, program_source
 
@@ -18,14 +18,10 @@ if TYPE_CHECKING:
     from hostcode.device.device import OpenDevice
     from hostcode.program.spec import ProgramSpec
 
-__all__ = ["EXACT_FLOATS", "OPTIONS", "Program", "build", "options_of"]
+__all__ = ["OPTIONS", "Program", "build"]
 
 OPTIONS: Final[tuple[str, ...]] = ("-cl-std=CL1.2",)
 """Build options; no ``-cl-*-math`` option may ever stand here."""
-
-EXACT_FLOATS: Final = "-cl-fp32-correctly-rounded-divide-sqrt"
-"""One more for programs in single precision, where the device knows it: without it a quotient may
-be off by 2.5 units in the last place."""
 
 
 @dataclass(frozen=True)
@@ -78,12 +74,6 @@ def _build_error(log: str, spec: ProgramSpec) -> KernelBuildError:
     return KernelBuildError(name, line, found["rest"].strip(), f"{excerpt}\n\n{log}")
 
 
-def options_of(device: OpenDevice, real: str) -> tuple[str, ...]:
-    """Return the build options of programs in a C type."""
-    exact = "correctly_rounded_divide_sqrt" in device.record.fp32_flags
-    return (*OPTIONS, EXACT_FLOATS) if real == "float" and exact else OPTIONS
-
-
 def build(device: OpenDevice, spec: ProgramSpec) -> Program:
     """Build (or take from this process's cache) the program of a spec on a device.
 
@@ -100,6 +90,8 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
         Where a template does not render or the compiler refuses the text, with its line.
     HostError
         Where an effect names a place or a type that there is not.
+    DeviceError
+        Where the program is in single precision, and the device's gives wrong answers.
     """
     import pyopencl as cl
 
@@ -107,7 +99,9 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
     if key in _CACHE:
         return _CACHE[key]
     source = program_source(spec)
-    options = options_of(device, spec.real)
+    if spec.real == "float":
+        single.trust(device)
+    options = single.options_of(device, spec.real)
     digest = hashlib.sha256("\0".join((source, *options)).encode()).hexdigest()
     if (same := _BUILT.get((key[0], digest))) is not None:
         _CACHE[key] = replace(same, spec=spec, build_seconds=0.0)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.geometry.placing import bounded, recentre
+from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.flat import EDGES_TILTED
 from photizon_cl.scene.faces import Ball, Plane, Revolved, Straight
@@ -39,6 +40,8 @@ _LOST: Final = 1e-2
 """From such an error on an element is lost in single precision: a run says something else."""
 _RANGE: Final = (1e-12, 1e15)
 """Metres of which single precision still holds the squares with the rounding of their sums."""
+_SHORTEST: Final = 64.0
+"""Roundings of an element's coordinates that a length of it must have, as a vertex radius."""
 _MET: Final = 2.0
 """Roundings of the place at which a ray meets an element."""
 _EDGES: Final = EDGES_TILTED[0] + _MET
@@ -87,6 +90,9 @@ def lost(scene: Scene, roundoff: float) -> str:
                 f'element "{element.name}" is lost in it: {grid.where(size, element.position)}, so '
                 f"that its area or its openings would come out wrong by {min(error, 1.0):.1e}"
             )
+        below = _below(element, grid)
+        if below:
+            return below
         least, most = _RANGE
         if not (least <= size or size == 0.0) or far + element.reach > most:
             found = size if size < least else far + element.reach
@@ -94,6 +100,28 @@ def lost(scene: Scene, roundoff: float) -> str:
                 f'element "{element.name}" has lengths of {found:.1e} m, and single precision '
                 f"holds squares of those from {least:g} to {most:g} m"
             )
+    return ""
+
+
+def _below(element: Element, grid: _Grid) -> str:
+    """Say which of an element's lengths is below the rounding of its coordinates, or nothing."""
+    rounding = grid.roundoff * (grid.far(element.position) + element.reach)
+    for name, parameter in parameters_of(type(element)).items():
+        value = getattr(element, name)
+        length = getattr(parameter, "unit", "") == "m" and isinstance(value, float)
+        if length and 0.0 < value < _SHORTEST * rounding:
+            return (
+                f'element "{element.name}" is lost in it: its {name} of {value:.3g} m is below '
+                f"{_SHORTEST * rounding:.1e} m, what {_SHORTEST:.0f} roundings of its coordinates "
+                "amount to"
+            )
+    low, high = element.local_box
+    thickness = min(b - a for a, b in zip(low, high, strict=True))
+    if not element.flat and thickness < 2.0 * _EDGES * rounding:
+        return (
+            f'element "{element.name}" is lost in it: it is {thickness:.1e} m thick, and its faces '
+            f"are good to {_EDGES * rounding:.1e} m"
+        )
     return ""
 
 

@@ -214,6 +214,11 @@ def measure_fresnel(
                 else along,
                 "transmitted": along if through else None,
             }
+            height, bound = abs(case.direction[2]), FIRM * mode.roundoff * 3.0
+            if mode.single and height < bound:
+                why = f"a ray starts {height:.1e} m off a face, within {bound:.1e} m of rounding"
+                found.append(Measured(case.label, firm=False, right=True, lost=why))
+                continue
             with load_digits().workdps(DIGITS):
                 found.append(_compare(case, outcome, mode.roundoff))
     return found

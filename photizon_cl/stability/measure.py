@@ -15,9 +15,11 @@ from photizon_cl.scene.settings import RunSettings
 from photizon_cl.stability.digits import DIGITS, add, load_digits, norm, vector
 from photizon_cl.stability.oracle import FIRM, judge
 from photizon_cl.stability.rounding import (
+    ray_is_lost,
     rounded_case,
     rounded_elements,
     scene_of,
+    start_is_lost,
     what_is_lost,
 )
 
@@ -126,7 +128,12 @@ def measure(
         hits[:, 1:4] += shift
         numbers, faces = element_of(states), face_of(states)
         for case, hit, n, face in zip(members, hits, numbers, faces, strict=True):
-            found.append(_compare(case, hit, int(n), int(face), mode.roundoff))
+            one = _compare(case, hit, int(n), int(face), mode.roundoff)
+            if mode.single and not (one.right and one.worst <= FIRM):
+                why = ray_is_lost(case, mode.roundoff) or start_is_lost(case, mode.roundoff)
+                if why:
+                    one = Measured(case.label, firm=False, right=True, lost=why)
+            found.append(one)
     return found
 
 

@@ -36,9 +36,10 @@ largest K relative to its output. firm: no inputs within {firm:.0f} such roundof
 elsewhere any answer that they give is right. wrong: a decision that is not among the right
 ones, or not a number."""
 _LOST: Final = """\
-lost: cases of which single precision cannot hold the scene, an element or a gap below its rounding;
-they are not asked, and a family with any does not survive whole. All inputs are rounded to single
-precision first."""
+lost: cases of which single precision cannot hold the scene, an element, a length or a gap below its
+rounding, and those that come out wrong of rays that start nearer to a face, or see it from so far,
+that rounding hides it. A family with any does not survive whole. All inputs are rounded to single
+precision before the oracle sees them."""
 
 FAMILIES: Final[dict[str, Callable[[], Iterator[Case]]]] = {
     "sphere, tangent": families.sphere_tangent,

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -20,6 +21,9 @@ from photizon_cl.geometry.placing import recentre
 from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
+from photizon_cl.stability.bodies import exact_frame, faces_of, sizes_of
+from photizon_cl.stability.digits import DIGITS, add, dot, load_digits, vector
+from photizon_cl.stability.oracle import FIRM
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -27,7 +31,15 @@ if TYPE_CHECKING:
     from photizon_cl.scene.elements import Element
     from photizon_cl.stability.case import Case, Triple
 
-__all__ = ["rounded_case", "rounded_elements", "scene_of", "single", "what_is_lost"]
+__all__ = [
+    "ray_is_lost",
+    "rounded_case",
+    "rounded_elements",
+    "scene_of",
+    "single",
+    "start_is_lost",
+    "what_is_lost",
+]
 
 _KEPT: Final = 0.1
 """Part of a difference between two lengths by which rounding may change it."""
@@ -87,6 +99,42 @@ def what_is_lost(elements: tuple[Element, ...], roundoff: float) -> str:
         now = after[other][1] - after[one][1]
         if abs(now - apart) > _KEPT * abs(apart):
             return f"lengths {abs(apart):.1e} m apart are {abs(now):.1e} m apart in it"
+    return ""
+
+
+def ray_is_lost(case: Case, roundoff: float) -> str:
+    """Say what of a case's ray is below the rounding of its coordinates; empty where nothing."""
+    for element in case.elements:
+        away = math.dist(case.origin, element.position)
+        if element.reach < FIRM * roundoff * away:
+            return (
+                f"{element.reach:.1e} m seen from {away:.1e} m, where coordinates are good to "
+                f"{roundoff * away:.1e} m"
+            )
+    return ""
+
+
+def start_is_lost(case: Case, roundoff: float) -> str:
+    """Say where a ray starts nearer to a face, which it did not leave, than rounding tells apart.
+
+    It is then taken to start on the face: the bound is the same all over an element.
+    """
+    mp = load_digits()
+    with mp.workdps(DIGITS):
+        for number, element in enumerate(case.elements):
+            rows, sizes = exact_frame(element), sizes_of(element)
+            apart = add(vector(case.origin), -1, vector(element.position))
+            local = [dot(row, apart) for row in rows]
+            far = element.reach + max(map(abs, (*case.origin, *element.position)))
+            for index, face in enumerate(faces_of(element)):
+                if case.left and (case.left.element, case.left.face) == (number, index):
+                    continue
+                off = abs(float(face.value(local, sizes)))
+                if 0.0 < off <= FIRM * roundoff * far:
+                    return (
+                        f"a ray starts {off:.1e} m off a face, which is within "
+                        f"{FIRM * roundoff * far:.1e} m of rounding"
+                    )
     return ""
 
 

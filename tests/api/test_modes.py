@@ -93,9 +93,8 @@ def test_a_scene_far_away_is_brought_near(floats):
     moved |= {f"element.{e.name}.position[2]": e.position[2] + far for e in scene.element}
     there = compile_scene(scene.replace(moved), scene.run, precision="fp32")
     here = floats.compiled
-    # 0.01 + 2^20 is a double that is off by 10^-10: bounds follow that, and not that of floats there
+    # 0.01 + 2^20 is a double that is off by 10^-10: bounds follow that, not floats' rounding there
     assert np.abs(there.tables.geometry - here.tables.geometry).max() < 2.0**-30
-    assert there.tables.geometry.max() < 10.0
 
 
 def small(position):

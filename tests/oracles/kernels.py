@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hostcode.device import kept_kernels
-from hostcode.program.build import options_of
+from hostcode.device.single import options_of
 from hostcode.program.fields import BASE_ENDING
 from hostcode.program.source import program_source
 from hostcode.templates import lane, render
