@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from photizon_cl.checks.coarse import coarse
 from photizon_cl.checks.coincident import coincident_faces
+from photizon_cl.checks.gaps import lost_gaps
 from photizon_cl.scene.elements.base import OTHER_SIDE, ROUNDOFF
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
@@ -37,6 +38,7 @@ def advisories(scene: Scene, roundoff: float = ROUNDOFF) -> list[str]:
     found += _covered_elements(scene)
     found += _blind_detectors(scene)
     found += coarse(scene, roundoff)
+    found += lost_gaps(scene, roundoff)
     found += _capped_cavities(scene)
     found += _surfaces(scene)
     return found

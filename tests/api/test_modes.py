@@ -147,6 +147,27 @@ def test_what_is_coarse_is_advised_with_numbers(capsys):
     assert [t for t in pz.trace(scene, precision="mixed", batches=1).advisories if t == text]
 
 
+@pytest.mark.parametrize(("gap", "told"), [(1e-7, True), (1e-3, False), (0.0, False)])
+def test_a_gap_below_the_rounding_is_told(gap, told):
+    plate = {"axis": "+z", "half_width": 0.5, "half_height": 0.5, "surface": pz.Mirror(0.9)}
+    scene = pz.Scene(
+        name="gap",
+        source=(pz.IsotropicPoint(name="lamp", flux=1.0, position=(0.0, 0.0, 1.0)),),
+        element=(
+            pz.Rectangle(name="one", position=(0.0, 0.0, 0.0), **plate),
+            pz.Rectangle(name="other", position=(0.0, 0.0, gap), **plate),
+        ),
+    )
+    found = [t for t in advisories(scene, SINGLE) if "does not tell from none" in t]
+    assert bool(found) == told
+    if told:
+        assert (
+            'elements "one" and "other" have faces that stand apart by less than 9.5e-07 m'
+            in found[0]
+        )
+    assert not [t for t in advisories(scene) if "does not tell from none" in t]
+
+
 @pytest.mark.parametrize("precision", ["fp16", "FP32", "", None, 32, ["fp32"]])
 def test_an_unknown_mode_is_refused(precision):
     for call in (
