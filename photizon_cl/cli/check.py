@@ -11,8 +11,8 @@ from photizon_cl.cli.arguments import PRECISION, add_scene, load_scene
 if TYPE_CHECKING:
     import argparse
 
+    from photizon_cl.checks.precision import Precision
     from photizon_cl.compile.compiled import CompiledScene
-    from photizon_cl.run.modes import Precision
     from photizon_cl.scene.described import Described
     from photizon_cl.scene.model import Scene
 
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Check a scene; return the exit status."""
-    from photizon_cl.run.modes import DEFAULT, fitting_mode
+    from photizon_cl.checks.precision import DEFAULT, fitting_mode
 
     scene = load_scene(arguments)
     _print(scene, fitting_mode(arguments.precision or DEFAULT, scene), not arguments.no_pilot)
@@ -85,7 +85,7 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
                 u, v, w = map(direction_words, element.frame)
                 line(f"map: u is {u}, v is {v}, the axis {w}", "    ")
     out.print()
-    found = advisories(scene, mode.roundoff)
+    found = advisories(scene, mode.name)
     if tracing:
         text, more = _pilot(scene, mode.name)
         line(text, "")

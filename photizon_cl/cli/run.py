@@ -65,10 +65,10 @@ def call(arguments: argparse.Namespace) -> int:
     else:
         scene = load_scene(arguments)  # a bad scene is told before anything heavy is imported
 
+    from photizon_cl.checks.precision import DEFAULT, mode_of
     from photizon_cl.cli.outcome import give
     from photizon_cl.cli.progress import Display
     from photizon_cl.run.batches import with_settings
-    from photizon_cl.run.modes import DEFAULT, mode_of
     from photizon_cl.run.simulation import trace
 
     as_run = with_settings(scene, seed=arguments.seed, rays_per_batch=arguments.rays_per_batch)
@@ -159,9 +159,8 @@ def _advise(scene: Scene, precision: str, *, as_json: bool) -> list[str]:
     if as_json and not any(element.surface.splits for element in scene.element):
         return []
     from photizon_cl.checks.advisories import advisories
-    from photizon_cl.run.modes import mode_of
 
-    found = advisories(scene, mode_of(precision).roundoff)
+    found = advisories(scene, precision)
     for advisory in found:
         print(f"advisory: {advisory}", file=sys.stderr)
     return found

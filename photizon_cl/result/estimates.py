@@ -359,7 +359,7 @@ class Estimates:
     @cached_property
     def advisories(self) -> tuple[str, ...]:
         """What deserves a second look: of the run, then of the scene."""
-        return (*run_advisories(self), *advisories(self.scene, self.compiled.precision.roundoff))
+        return (*run_advisories(self), *advisories(self.scene, self.info.precision))
 
     def summary(self) -> dict[str, Any]:
         """Return the summary as plain values that JSON can hold.

@@ -11,11 +11,11 @@ import numpy as np
 
 from hostcode.run.paths import trace_paths
 from hostcode.run.tally import values, whole_of
+from photizon_cl.checks.precision import DEFAULT, fitting_mode
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ArgumentError, SceneError, show
 from photizon_cl.result.paths import ENDINGS, Paths
 from photizon_cl.run.distribution import device_failures, open_chosen
-from photizon_cl.run.modes import DEFAULT, fitting_mode
 from photizon_cl.scene.files import load
 from photizon_cl.scene.settings import MAX_RAYS_PER_BATCH
 

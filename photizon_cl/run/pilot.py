@@ -11,12 +11,12 @@ from hostcode.errors import Abandoned, HostError
 from hostcode.run.tally import exact, whole_of
 from hostcode.run.usual import usual_plan
 from hostcode.run.wavefront import Engine
+from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.rays import LEAST_WEIGHT, ray_weights, share_rays
 from photizon_cl.errors import PhotizonError
 from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
 from photizon_cl.run.distribution import device_failures, open_chosen
-from photizon_cl.run.modes import DEFAULT
 from photizon_cl.scene.settings import MAX_GENERATION_CAP, FarField
 
 if TYPE_CHECKING:

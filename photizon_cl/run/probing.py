@@ -9,10 +9,10 @@ import numpy as np
 
 from hostcode.device.device import DeviceRecord, preferred_lanes
 from hostcode.run.probe import element_of, face_of, probe_faces
+from photizon_cl.checks.precision import DEFAULT, fitting_mode
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ArgumentError
 from photizon_cl.run.distribution import device_failures, open_chosen
-from photizon_cl.run.modes import DEFAULT, fitting_mode
 from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from photizon_cl.checks.precision import fitting_mode
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ArgumentError
 from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.statistics import Accumulator
 from photizon_cl.run.batches import go_on, goal_of, refine, with_settings
 from photizon_cl.run.checkpoint import latest
-from photizon_cl.run.modes import fitting_mode
 from photizon_cl.run.result import Result
 from photizon_cl.scene.files import load
 

@@ -54,9 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
     RunError
         Where there is no usable device, or mpmath is not installed.
     """
+    from photizon_cl.checks.precision import mode_of
     from photizon_cl.errors import ArgumentError
     from photizon_cl.run.distribution import open_chosen
-    from photizon_cl.run.modes import mode_of
     from photizon_cl.stability.digits import load_digits
     from photizon_cl.stability.report import FAMILIES, table, write_figure
 

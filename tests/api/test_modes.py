@@ -11,7 +11,6 @@ import pytest
 
 import photizon_cl as pz
 from hostcode.device import capability
-from photizon_cl.checks.advisories import advisories
 from photizon_cl.cli.main import main
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.run import distribution
@@ -97,6 +96,21 @@ def test_a_scene_far_away_is_brought_near(floats):
     assert np.abs(there.tables.geometry - here.tables.geometry).max() < 2.0**-30
 
 
+def test_probes_and_paths_are_in_the_mode(floats):
+    hits = {
+        mode: pz.probe("ghost-ladder", [[1e-3, 2e-3, -0.05]], [[0.1, 0.2, 1.0]], precision=mode)
+        for mode in ("fp64", "fp32")
+    }
+    assert hits["fp32"].element.tolist() == hits["fp64"].element.tolist()
+    off = abs(hits["fp32"].distance[0] - hits["fp64"].distance[0])
+    assert 0.0 < off < 8 * SINGLE * 0.1
+    found = pz.paths("ghost-ladder", 4, seed=7, precision="fp32")
+    doubles = pz.paths("ghost-ladder", 4, seed=7)
+    assert len(found.start) == len(doubles.start)
+    assert np.array_equal(found.start, found.start.astype(np.float32))
+    assert not np.array_equal(doubles.start, doubles.start.astype(np.float32))
+
+
 def small(position):
     """Return a scene of a small plate, some way off the others."""
     return pz.Scene(
@@ -140,10 +154,10 @@ def test_what_is_coarse_is_advised_with_numbers(capsys):
     scene = small((0.2, 0.0, 0.1)).replace(
         {"element.chip.half_width": 1e-3, "element.chip.half_height": 1e-3}
     )
-    (text,) = (t for t in advisories(scene, SINGLE) if "single precision" in t)
+    (text,) = (t for t in pz.advisories(scene, "fp32") if "single precision" in t)
     assert text.startswith('element "chip" is small beside its distance from the middle')
     assert "run it in fp64" in text
-    assert not [t for t in advisories(scene) if "chip" in t]
+    assert not [t for t in pz.advisories(scene) if "chip" in t]
     assert [t for t in pz.trace(scene, precision="mixed", batches=1).advisories if t == text]
 
 
@@ -158,14 +172,14 @@ def test_a_gap_below_the_rounding_is_told(gap, told):
             pz.Rectangle(name="other", position=(0.0, 0.0, gap), **plate),
         ),
     )
-    found = [t for t in advisories(scene, SINGLE) if "does not tell from none" in t]
+    found = [t for t in pz.advisories(scene, "fp32") if "does not tell from none" in t]
     assert bool(found) == told
     if told:
         assert (
             'elements "one" and "other" have faces that stand apart by less than 9.5e-07 m'
             in found[0]
         )
-    assert not [t for t in advisories(scene) if "does not tell from none" in t]
+    assert not [t for t in pz.advisories(scene) if "does not tell from none" in t]
 
 
 @pytest.mark.parametrize("precision", ["fp16", "FP32", "", None, 32, ["fp32"]])

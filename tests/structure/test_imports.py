@@ -39,6 +39,7 @@ HOST = {
 
 # What of the device's side is known outside it; where nothing stands, nothing is.
 ACROSS = {
+    "checks": "program",
     "compile": "errors program run",
     "result": "assets program run",
     "run": "errors device program run",

@@ -1,4 +1,4 @@
-"""In which precision a run may be, and what that means for it."""
+"""In which precision a scene may be run."""
 
 from __future__ import annotations
 
