@@ -35,8 +35,8 @@ _NOTED: Final = 1e-6
 """Relative error that is worth a word: no run sees less, since a standard error of as much takes
 about 10^12 rays; a run of an hour on a fast device reaches 10^-5."""
 _NOTED_SINGLE: Final = 1e-4
-"""The same in single precision, whose results are good to some 10^-6 wherever elements stand: who asks
-for it is after less."""
+"""The same in single precision, whose results are good to some 10^-6 wherever elements stand: who
+asks for it is after less."""
 _LOST: Final = 0.1
 """From such an error on an element is lost in single precision: a run says something else."""
 _RANGE: Final = (1e-12, 1e15)
