@@ -3,10 +3,12 @@
     python -m benchmarks.digests             compare this machine's device with the stored digests
     python -m benchmarks.digests --all       the same on every device that there is
     python -m benchmarks.digests --write     store this device's digests
+    python -m benchmarks.digests --precision fp32     only those of a mode; may be given again
 
-Stored beside each digest is one of the preset's compiled tables, so that a changed preset is told
-from a device that computes something else. Digests change with the kernels' arithmetic and with
-nothing else; who changes either writes them anew and says so.
+Each preset has a digest in each precision; single precision is compared on devices that promise
+its bits. Stored beside each digest is one of the preset's compiled tables, so that a changed preset
+is told from a device that computes something else. Digests change with the kernels' arithmetic and
+with nothing else; who changes either writes them anew and says so.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import argparse
 import hashlib
 import json
 import sys
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -24,9 +27,12 @@ from benchmarks.runner import Runner, compiled_preset
 from hostcode.device.device import choose, open_device, preferred_lanes, qualify, survey
 from hostcode.errors import DeviceError
 from hostcode.program.plan import default_plan
+from hostcode.program.precision import PRECISIONS
 from photizon_cl.scene.presets import preset_names
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from hostcode.device.device import OpenDevice
     from hostcode.program.plan import ExecutionPlan
     from photizon_cl.compile.compiled import CompiledScene
@@ -60,9 +66,11 @@ def tables_digest(compiled: CompiledScene) -> str:
     return f"sha256:{state.hexdigest()[:32]}"
 
 
-def entry(device: OpenDevice, preset: str, plan: ExecutionPlan | None = None) -> dict[str, Any]:
+def entry(
+    device: OpenDevice, preset: str, plan: ExecutionPlan | None = None, precision: str = "fp64"
+) -> dict[str, Any]:
     """Trace a preset's first batches as its file says and return what is stored of it."""
-    compiled = compiled_preset(preset)
+    compiled = compiled_preset(preset, precision=precision)
     if plan is None:
         plan = default_plan(device.record, preferred_lanes(device.record))
     timing = Runner(device, compiled, plan, BATCHES).time()
@@ -76,11 +84,14 @@ def entry(device: OpenDevice, preset: str, plan: ExecutionPlan | None = None) ->
     }
 
 
-def stored() -> dict[str, dict[str, Any]]:
-    """Return the stored entries by preset; none where there is no file."""
+def stored(precision: str = "fp64") -> dict[str, dict[str, Any]]:
+    """Return the stored entries of a mode by preset; none where there is no file."""
     if not STORED.is_file():
         return {}
-    presets: dict[str, dict[str, Any]] = json.loads(STORED.read_text(encoding="utf-8"))["presets"]
+    content = json.loads(STORED.read_text(encoding="utf-8"))
+    presets: dict[str, dict[str, Any]] = (
+        content["presets"] if precision == "fp64" else content.get(precision, {})
+    )
     return presets
 
 
@@ -95,7 +106,7 @@ def compare(found: dict[str, Any], known: dict[str, Any] | None) -> tuple[bool |
     return False, f"stored is {known['digest']}"
 
 
-def everywhere() -> int:
+def everywhere(modes: Sequence[str]) -> int:
     """Compare every device of this machine; return the exit status, 1 where any bit differs."""
     here: list[tuple[str, OpenDevice]] = []
     for record in survey().records:
@@ -110,17 +121,22 @@ def everywhere() -> int:
             print(f"{name}: skipped, not here: {what}")
     for problem in survey().problems:
         print(f"not readable: {problem}")
-    known, wrong, rows = stored(), 0, []
-    for preset in preset_names():
+    wrong, rows = 0, []
+    for mode, preset in product(modes, preset_names()):
+        known = stored(mode).get(preset)
         verdicts = []
         for name, device in here:
-            made = entry(device, preset)
-            same, why = compare(made, known.get(preset))
+            if not device.record.promises(PRECISIONS[mode].real):
+                verdicts.append(f"{name}: skipped, promises no bits in single precision")
+                continue
+            made = entry(device, preset, precision=mode)
+            same, why = compare(made, known)
             wrong += same is not True
             verdicts.append(f"{name}: {'as stored' if same else made['digest'] + ', ' + why}")
-        rows.append([preset, known.get(preset, {}).get("digest", "none"), "; ".join(verdicts)])
-    print(*table(["preset", "stored digest", "on each device"], rows, left=3), sep="\n")
-    print(f"{len(here)} devices, {len(rows)} presets, {wrong} that differ")
+        rows.append([mode, preset, (known or {}).get("digest", "none"), "; ".join(verdicts)])
+    head = ["precision", "preset", "stored digest", "on each device"]
+    print(*table(head, rows, left=4), sep="\n")
+    print(f"{len(here)} devices, {len(rows)} digests, {wrong} that differ")
     return int(wrong > 0 or not here)
 
 
@@ -128,30 +144,42 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.digests")
     parser.add_argument("--write", action="store_true", help="store what this device gives")
     parser.add_argument("--all", action="store_true", help="compare every device that there is")
+    parser.add_argument("--precision", action="append", choices=tuple(PRECISIONS), metavar="P")
     parser.add_argument("--device")
     asked = parser.parse_args(arguments)
     if asked.all:
-        return everywhere()
+        return everywhere(asked.precision or tuple(PRECISIONS))
     try:
         device = open_device(choose(asked.device))
     except DeviceError as error:
         print(f"benchmarks.digests: {error}", file=sys.stderr)
         return 2
-    found = {name: entry(device, name) for name in preset_names()}
-    known = stored()
-    verdicts = {name: compare(made, known.get(name)) for name, made in found.items()}
-    rows = [[name, found[name]["digest"], why] for name, (_, why) in verdicts.items()]
-    print(*table(["preset", "digest", ""], rows, left=3), sep="\n")
+    found = {
+        mode: {name: entry(device, name, precision=mode) for name in preset_names()}
+        for mode in asked.precision or PRECISIONS
+    }
+    rows, all_same = [], True
+    for mode, entries in found.items():
+        known = stored(mode)
+        for name, made in entries.items():
+            same, why = compare(made, known.get(name))
+            if not same and not device.record.promises(PRECISIONS[mode].real):
+                same, why = True, "this device promises no bits in single precision"
+            all_same = all_same and bool(same)
+            rows.append([mode, name, made["digest"], why])
+    print(*table(["precision", "preset", "digest", ""], rows, left=4), sep="\n")
     if asked.write:
         conditions = facts.facts(device.record)
         kept = ("device", "platform_version", "driver", "commit", "date")
         made_with = {key: conditions[key] for key in kept}
         STORED.parent.mkdir(exist_ok=True)
-        text = json.dumps({"made_with": made_with, "presets": found}, indent=1)
+        kept_ones = {mode: found.get(mode) or stored(mode) for mode in PRECISIONS}
+        presets = kept_ones.pop("fp64")
+        text = json.dumps({"made_with": made_with, "presets": presets, **kept_ones}, indent=1)
         STORED.write_text(text + "\n", encoding="utf-8")
         print(f"wrote {STORED.name}")
         return 0
-    return 0 if all(same for same, _ in verdicts.values()) else 1
+    return 0 if all_same else 1
 
 
 if __name__ == "__main__":

@@ -43,13 +43,13 @@ class Fault:
     """Times the seconds of the others."""
 
 
-REFLECTANCE = "material_number(material, LAMBERTIAN_REFLECTANCE)"
+REFLECTANCE = "weight_number(material, LAMBERTIAN_REFLECTANCE)"
 FAULTS = (
     Fault(
         "weight that survives a matt wall 0.1 % too large",
         "integrating-sphere",
         "ledger.escaped",
-        {"lambertian.weight": f"R(1.001) * p->w * {REFLECTANCE}"},
+        {"lambertian.weight": f"WT(1.001) * p->w * {REFLECTANCE}"},
         {},
         {},
     ),
@@ -58,7 +58,7 @@ FAULTS = (
         "weight that survives roulette 0.1 % too small",
         "integrating-sphere",
         "ledger.escaped",
-        {"roulette.weight": "R(0.999) * (p->w + p->w)"},
+        {"roulette.weight": "WT(0.999) * (p->w + p->w)"},
         {"roulette_floor": 0.9},
         {"roulette_floor": 0.9},
         3.0,

@@ -49,13 +49,15 @@ class Timing:
         return self.interactions / self.seconds / 1e6
 
 
-def compiled_preset(name: str, rays_per_batch: int | None = None) -> CompiledScene:
+def compiled_preset(
+    name: str, rays_per_batch: int | None = None, precision: str = "fp64"
+) -> CompiledScene:
     """Return a preset, compiled as its file says unless other rays per batch are asked for."""
     scene = load(name)
     run = scene.run
     if rays_per_batch is not None:
         run = replace(run, rays_per_batch=rays_per_batch)
-    return compile_scene(replace(scene, run=run), run)
+    return compile_scene(replace(scene, run=run), run, precision=precision)
 
 
 class Runner:

@@ -1,5 +1,5 @@
 ## prelude: the first text of every program.
-## reads: lanes (1, 2, 4, 8, 16), real (double or float)
+## reads: lanes (1, 2, 4, 8, 16), real (double or float), weight (double, or what real is)
 ## gives: the lane types, the comparison and selection rules that hold for scalars and vectors alike
 #pragma OPENCL FP_CONTRACT OFF
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
@@ -12,18 +12,21 @@
 // and a 64-bit integer are one C type, and so are `real` and `wide`; kernels keep them apart by these
 // rules, and tests build every program with floats, where the compiler does.
 //
-//   types     real: lengths, directions, weights (scalar: one lane of it); mask: all ones or all zeros
-//             in each lane; lint, luint: 64 bits; word: 32 bits; wide: double in every program, for
-//             exact sums of weights and large counts
-//   compare   reals LT LE GT GE EQ NE; what has 64 bits (lint, luint, wide) ILT ILE IGT IGE IEQ INE
-//   select    reals SEL, 64-bit integers SELI, words SELW, masks SELM
+//   types     real: lengths, directions (scalar: one lane of it); weight: what a ray carries, real or
+//             wide (weight_scalar: one lane); mask: all ones or all zeros in each lane; lint, luint: 64 bits; word: 32 bits; wide:
+//             double in every program, for exact sums of weights and large counts
+//   compare   reals LT LE GT GE EQ NE; what has 64 bits (lint, luint, wide) ILT ILE IGT IGE IEQ INE;
+//             weights WEIGHT_LT WEIGHT_LE WEIGHT_GT WEIGHT_GE
+//   select    reals SEL, weights SEL_WEIGHT, 64-bit integers SELI, words SELW, masks SELM
 //   masks     ALL_LANES, NO_LANES, ALL_LANES_IF(a condition for all); & | ^ ~; ANY
 //   mask to integer   INT_MASK(m), WORD_MASK(m): -1 or 0; a bit of it is INT_MASK(m) & 1L
 //   integer to mask   MASK_OF(i), i all ones or all zeros in each lane
 //   numbers   a constant or a table's number that meets a real: R(0.5) * x, x - R(row[ROW_X]); as an
-//             argument of its own (fma, fmax, SEL, LT): splat(0.5), and lsplat, wsplat of integers
+//             argument of its own (fma, fmax, SEL, LT): splat(0.5), and lsplat, wsplat of integers;
+//             with a weight WT(0.5), weight_splat(0.5)
 //   rounding  UNIT_ROUNDOFF, and no power of two in its place
-//   convert   by value TO_REAL, TO_WIDE, TO_LINT, TO_LUINT, TO_WORD; by bits AS_LINT, AS_LUINT (of what
+//   convert   by value TO_REAL, TO_WIDE, TO_WEIGHT (of a real), TO_LINT, TO_LUINT, TO_WORD; by bits
+//             AS_LINT, AS_LUINT (of what
 //             has 64 bits), LOW_BITS (of a real, see there)
 <%
     vector = "" if lanes == 1 else lanes
@@ -31,7 +34,9 @@
 %>
 typedef ${real} scalar;
 typedef ${real}${vector} real;
+typedef ${weight} weight_scalar;
 typedef double${vector} wide;
+typedef ${weight}${vector} weight;
 typedef ${mask}${vector} mask;
 typedef long${vector} lint;
 typedef ulong${vector} luint;
@@ -86,6 +91,16 @@ typedef uint${vector} word;
 #define SELI(m, a, b) (INT_MASK(m) ? (a) : (b))
 #define SELW(m, a, b) (WORD_MASK(m) ? (a) : (b))
 #define SELM(m, a, b) ((m) ? (a) : (b))
+% if weight == real:
+#define SEL_WEIGHT(m, a, b) SEL(m, a, b)
+#define TO_WEIGHT(x) (x)
+% else:
+#define SEL_WEIGHT(m, a, b) SELI(m, a, b)
+#define TO_WEIGHT(x) TO_WIDE(x)
+% endif
+% for compared in ("LT", "LE", "GT", "GE"):
+#define WEIGHT_${compared}(a, b) ${"" if weight == real else "I"}${compared}(a, b)
+% endfor
 #define LANES ${lanes}
 
 // Has a cache line fetched; no more than a hint.  OpenCL's own prefetch() does nothing in PoCL.
@@ -111,13 +126,27 @@ typedef uint${vector} word;
 
 // Splat and lane access.
 #define R(x) ((scalar)(x))
+#define WT(x) ((weight_scalar)(x))
 FN real splat(double x) { return (real)(x); }
+% if weight == real:
+#define weight_splat splat
+% else:
+FN weight weight_splat(double x) { return (weight)(x); }
+% endif
 FN mask msplat(${mask} x) { return (mask)(x); }
 FN lint lsplat(long x) { return (lint)(x); }
 FN word wsplat(uint x) { return (word)(x); }
 
 // Gathers: lane l reads table[index_l].
-% for ctype, rtype, name in (("double", "real", "gather"), ("long", "lint", "gather_long"), ("uint", "word", "gather_word")):
+<%
+    gathers = [("double", "real", "gather"), ("long", "lint", "gather_long"), ("uint", "word", "gather_word")]
+    if weight != real:
+        gathers.append(("double", "weight", "gather_weight"))
+%>
+% if weight == real:
+#define gather_weight gather
+% endif
+% for ctype, rtype, name in gathers:
 FN ${rtype} ${name}(__global const ${ctype} *table, lint i) {
 % if lanes == 1:
     return table[i];

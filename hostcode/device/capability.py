@@ -22,13 +22,28 @@ from hostcode.errors import DeviceError
 if TYPE_CHECKING:
     import pyopencl as cl
 
-__all__ = ["INSTALL_HINT", "DeviceRecord", "Survey", "survey"]
+__all__ = ["FP32_EXACT", "INSTALL_HINT", "DeviceRecord", "Survey", "survey"]
 
 INSTALL_HINT: Final = (
     "install a CPU device with `sudo apt install pocl-opencl-icd` (Debian, Ubuntu) "
     "or `pip install 'pyopencl[pocl]'` (no root needed), or a GPU vendor's OpenCL driver"
 )
 """The one line that tells a person without a usable device what to do."""
+
+FP32_EXACT: Final = frozenset(
+    {"correctly_rounded_divide_sqrt", "denorm", "fma", "inf_nan", "round_to_nearest"}
+)
+"""What a device must promise of its floats for them to have the bits that IEEE 754 fixes."""
+_FP_FLAGS: Final = (
+    "correctly_rounded_divide_sqrt",
+    "denorm",
+    "fma",
+    "inf_nan",
+    "round_to_inf",
+    "round_to_nearest",
+    "round_to_zero",
+    "soft_float",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +68,8 @@ class DeviceRecord:
         What the device promises of its doubles: ``denorm``, ``fma``, ``inf_nan``,
         ``round_to_inf``, ``round_to_nearest``, ``round_to_zero``, ``soft_float``; empty without
         fp64.
+    fp32_flags : tuple of str
+        What it promises of its floats: the same, and ``correctly_rounded_divide_sqrt``.
     int64_atomics : bool
         Whether ``cl_khr_int64_base_atomics`` is there.
     preferred_vector_width_double, native_vector_width_double : int
@@ -90,6 +107,7 @@ class DeviceRecord:
     available: bool
     compiler_available: bool
     fp64_flags: tuple[str, ...]
+    fp32_flags: tuple[str, ...]
     int64_atomics: bool
     preferred_vector_width_double: int
     native_vector_width_double: int
@@ -108,6 +126,24 @@ class DeviceRecord:
     def fp64(self) -> bool:
         """Whether the device computes in double precision at all."""
         return bool(self.fp64_flags)
+
+    @property
+    def fp32_exact(self) -> bool:
+        """Whether single precision is fixed to the bit: no flush to zero, quotients and roots too.
+
+        `FP32_EXACT` names the flags, of CL_DEVICE_SINGLE_FP_CONFIG.
+        """
+        return set(self.fp32_flags) >= FP32_EXACT
+
+    def promises(self, real: str) -> bool:
+        """Say whether programs in a C type give the bits that every such device gives.
+
+        Parameters
+        ----------
+        real : str
+            ``double``, which OpenCL fixes, or ``float``.
+        """
+        return real == "double" or self.fp32_exact
 
     @property
     def key(self) -> str:
@@ -275,6 +311,7 @@ def _record(device: cl.Device, index: int, platform_index: int, device_index: in
         available=bool(device.available),
         compiler_available=bool(device.compiler_available),
         fp64_flags=flags,
+        fp32_flags=_flags(int(device.single_fp_config)),
         int64_atomics="cl_khr_int64_base_atomics" in extensions,
         preferred_vector_width_double=(
             _width(device, "preferred_vector_width_double") if flags else 0
@@ -302,16 +339,13 @@ def _fp64_flags(device: cl.Device, extensions: list[str]) -> tuple[str, ...]:
         config = 0
     if not config and "cl_khr_fp64" not in extensions:
         return ()
+    return _flags(config, _FP_FLAGS[1:])
+
+
+def _flags(config: int, names: tuple[str, ...] = _FP_FLAGS) -> tuple[str, ...]:
+    import pyopencl as cl
+
     bits = cl.device_fp_config
-    names = (
-        "denorm",
-        "fma",
-        "inf_nan",
-        "round_to_inf",
-        "round_to_nearest",
-        "round_to_zero",
-        "soft_float",
-    )
     return tuple(name for name in names if config & int(getattr(bits, name.upper())))
 
 

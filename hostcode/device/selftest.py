@@ -173,6 +173,7 @@ def source(lanes: int) -> str:
         render(
             name,
             real="double",
+            weight="double",
             lanes=lanes,
             lane=one_lane,
             effects=frozenset(),

@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from hostcode.device import kept_kernels
+from hostcode.device import kept_kernels, single
 from hostcode.errors import KernelBuildError
 from hostcode.program.source import hook_name, program_source
 
@@ -90,6 +90,8 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
         Where a template does not render or the compiler refuses the text, with its line.
     HostError
         Where an effect names a place or a type that there is not.
+    DeviceError
+        Where the program is in single precision, and the device's gives wrong answers.
     """
     import pyopencl as cl
 
@@ -97,14 +99,17 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
     if key in _CACHE:
         return _CACHE[key]
     source = program_source(spec)
-    digest = hashlib.sha256("\0".join((source, *OPTIONS)).encode()).hexdigest()
+    if spec.real == "float":
+        single.trust(device)
+    options = single.options_of(device, spec.real)
+    digest = hashlib.sha256("\0".join((source, *options)).encode()).hexdigest()
     if (same := _BUILT.get((key[0], digest))) is not None:
         _CACHE[key] = replace(same, spec=spec, build_seconds=0.0)
         return _CACHE[key]
     started = time.perf_counter()
-    kept = kept_kernels.program_key(device, source, OPTIONS)
+    kept = kept_kernels.program_key(device, source, options)
     try:
-        built = kept_kernels.build(device, kept, source, OPTIONS)
+        built = kept_kernels.build(device, kept, source, options)
     except cl.RuntimeError as error:
         raise _build_error(str(error), spec) from error
     made = Program(spec, source, digest, time.perf_counter() - started, built, kept)

@@ -17,6 +17,7 @@ __all__ = [
     "ENDING_TYPES",
     "HIT_TYPES",
     "RAY_TYPES",
+    "REALS",
     "EndingField",
     "HitField",
     "RayField",
@@ -24,11 +25,21 @@ __all__ = [
     "of_type",
 ]
 
-_C_TYPES: Final = {"real": "real", "long": "lint", "ulong": "luint", "word": "word", "mask": "mask"}
+_C_TYPES: Final = {
+    "real": "real",
+    "weight": "weight",
+    "long": "lint",
+    "ulong": "luint",
+    "word": "word",
+    "mask": "mask",
+}
 
-RAY_TYPES: Final = ("real", "long", "ulong", "word")
+RAY_TYPES: Final = ("real", "weight", "long", "ulong", "word")
 HIT_TYPES: Final = ("real", "long", "mask")
-ENDING_TYPES: Final = ("real", "word")
+ENDING_TYPES: Final = ("real", "weight", "word")
+
+REALS: Final = ("real", "weight")
+"""Types that buffers hold as doubles, whatever they are on the device."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +51,7 @@ class RayField:
     name : str
         Member of ``packet_t``.
     type : str
-        ``real``, ``long``, ``ulong`` or ``word``.
+        ``real``, ``weight``, ``long``, ``ulong`` or ``word``.
     start : str
         Its value in a launched ray: C, in the scope of ``generate`` (kernels/lib/generate.mako).
     meaning : str
@@ -89,7 +100,7 @@ class EndingField:
     name : str
         Member of ``ending_t``.
     type : str
-        ``real`` or ``word``.
+        ``real``, ``weight`` or ``word``.
     value : str
         C, in the scope of ``shade`` (kernels/lib/shade.mako).
     meaning : str
@@ -110,7 +121,9 @@ def _vector(names: str, starts: str, meaning: str) -> tuple[RayField, ...]:
 BASE_RAY: Final[tuple[RayField, ...]] = (
     *_vector("ox oy oz", "x y z", "origin in m, in the scene's recentred coordinates"),
     *_vector("dx dy dz", "dx dy dz", "unit direction"),
-    RayField("w", "real", "w", "weight relative to the heaviest launched ray", "splat(0.0)"),
+    RayField(
+        "w", "weight", "w", "weight relative to the heaviest launched ray", "weight_splat(0.0)"
+    ),
     RayField(
         "left",
         "long",
@@ -132,7 +145,7 @@ BASE_HIT: Final[tuple[HitField, ...]] = (
 """What every search finds."""
 
 BASE_ENDING: Final[tuple[EndingField, ...]] = (
-    EndingField("w", "real", "p->w", "weight that arrives or leaves"),
+    EndingField("w", "weight", "p->w", "weight that arrives or leaves"),
     EndingField("x", "real", "SEL(found, c->x, p->dx)", "point of the arrival in m, or direction"),
     EndingField("y", "real", "SEL(found, c->y, p->dy)", "point of the arrival in m, or direction"),
     EndingField("z", "real", "SEL(found, c->z, p->dz)", "point of the arrival in m, or direction"),

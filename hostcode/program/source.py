@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.errors import HostError
 from hostcode.program.codes import CODE
-from hostcode.program.fields import ENDING_TYPES, HIT_TYPES, RAY_TYPES, declare, of_type
+from hostcode.program.fields import ENDING_TYPES, HIT_TYPES, RAY_TYPES, REALS, declare, of_type
 from hostcode.program.spec import CACHE_LINE, PROBE_STAGES, TALLY_STAGES
 from hostcode.program.structs import ITEM, LAUNCH, LAUNCH_TYPES, c_struct
 from hostcode.templates import lane, render
@@ -128,6 +128,7 @@ def program_source(spec: ProgramSpec) -> str:
     ray, ending = spec.ray_fields, spec.ending_fields
     context: dict[str, Any] = {
         "real": spec.real,
+        "weight": spec.weight,
         "lanes": spec.lanes,
         "packets": spec.packets,
         "cached_bytes": spec.cached_bytes,
@@ -159,13 +160,13 @@ def program_source(spec: ProgramSpec) -> str:
         "item_struct": c_struct("item_t", ITEM),
         "ray_fields": ray,
         "ray_struct": declare(ray),
-        "ray_real": of_type(ray, "real"),
+        "ray_real": of_type(ray, *REALS),
         "ray_word": of_type(ray, "word"),
         "ray_long": of_type(ray, "long", "ulong"),
         "hit_fields": spec.hit_fields,
         "ending_fields": ending,
         "ending_struct": declare(ending),
-        "ending_real": of_type(ending, "real"),
+        "ending_real": of_type(ending, *REALS),
         "ending_word": of_type(ending, "word"),
         "counts": dict(entry for part in spec.parts for entry in part.parameters),
     }

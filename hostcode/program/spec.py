@@ -274,7 +274,9 @@ class ProgramSpec:
     n_elements: int
     """Number of elements where the ledger is kept in registers, else 0."""
     real: str = "double"
-    """C type of lengths, directions and weights: ``double`` or ``float``."""
+    """C type of lengths and directions: ``double`` or ``float``."""
+    weight: str = "double"
+    """C type of weights: that, or ``double``."""
     plain: frozenset[str] = frozenset()
     """Parts of the arithmetic that are done the short way, some of `PLAIN_PARTS`: for a study of
     what care costs, and never for an answer."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from hostcode.errors import QueueFull
-from hostcode.program.fields import of_type
+from hostcode.program.fields import REALS, of_type
 from hostcode.program.structs import ITEM, numpy_dtype
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ _FEWER: Final = (
 def _layout(spec: ProgramSpec) -> tuple[tuple[int, Any], ...]:
     """Return how many fields each buffer holds of a ray, and of which type."""
     return (
-        (len(of_type(spec.ray_fields, "real")), np.float64),
+        (len(of_type(spec.ray_fields, *REALS)), np.float64),
         (len(of_type(spec.ray_fields, "word")), np.uint32),
         (len(of_type(spec.ray_fields, "long", "ulong")), np.int64),
     )
@@ -70,7 +70,7 @@ class Queue:
     def bytes_of_a_ray(spec: ProgramSpec) -> int:
         """Return how much memory a waiting ray takes."""
         fields = spec.ray_fields
-        return 8 * len(of_type(fields, "real", "long", "ulong")) + 4 * len(of_type(fields, "word"))
+        return 8 * len(of_type(fields, *REALS, "long", "ulong")) + 4 * len(of_type(fields, "word"))
 
     @staticmethod
     def budget_of(record: DeviceRecord) -> int:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.program.fields import of_type
+from hostcode.program.fields import REALS, of_type
 from hostcode.program.structs import ITEM, LAUNCH, STATUS, numpy_dtype
 from hostcode.run.queue import Queue
 from hostcode.run.tally import CELL, is_sparse
@@ -92,7 +92,7 @@ class Sizes:
                 *hit_sizes(tables, plan, items * capacity),
             ),
             "records": (
-                8 * len(of_type(spec.ending_fields, "real")) * items * records,
+                8 * len(of_type(spec.ending_fields, *REALS)) * items * records,
                 4 * len(of_type(spec.ending_fields, "word")) * items * records,
             ),
             "scene": (

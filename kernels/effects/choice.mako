@@ -13,9 +13,9 @@ FN void choose(const launch_t *launch, const packet_t *p, const contact_t *c, le
     if (ANY(both)) {
         real u, v;
         draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_CHOICE, &u, &v);
-        const real sum = outcome->w + outcome->second_w;
-        const mask second = both & ${point("choice.chance", "LT(u * sum, outcome->second_w)")};
-        const real w = SEL(takes, fmin(sum, p->w), p->w);
+        const weight sum = outcome->w + outcome->second_w;
+        const mask second = both & ${point("choice.chance", "WEIGHT_LT(TO_WEIGHT(u) * sum, outcome->second_w)")};
+        const weight w = SEL_WEIGHT(takes, fmin(sum, p->w), p->w);
         // the ledger has what neither child took: what both weigh together, to the last bit, is w now
         const image_t sent = image_sum(image_of(outcome->w), image_of(outcome->second_w));
         book(ledger, element, both & takes, ${point("choice.booked", "image_difference(sent, image_of(w))")});
@@ -24,6 +24,6 @@ FN void choose(const launch_t *launch, const packet_t *p, const contact_t *c, le
         outcome->dz = SEL(second, outcome->second_dz, outcome->dz);
         outcome->went_plus = SELM(second, c->came_plus, outcome->went_plus);
         outcome->splits = NO_LANES;
-        outcome->w = SEL(both, ${point("choice.weight", "w")}, outcome->w);
+        outcome->w = SEL_WEIGHT(both, ${point("choice.weight", "w")}, outcome->w);
     }
 }

@@ -4,11 +4,11 @@
 // writes: weight, alive; rows killed and boosted.  Played once an interaction, by the lanes of `met`.
 FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met) {
 % if "launched" in ray_real:
-    const real floor_weight = p->launched * R(launch->roulette_floor);
+    const weight floor_weight = p->launched * WT(launch->roulette_floor);
 % else:
-    const real floor_weight = splat(launch->roulette_floor);
+    const weight floor_weight = weight_splat(launch->roulette_floor);
 % endif
-    const mask low = p->alive & met & LT(p->w, floor_weight);
+    const mask low = p->alive & met & WEIGHT_LT(p->w, floor_weight);
     if (ANY(low)) {
         real u, v;
         draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_ROULETTE,
@@ -19,7 +19,7 @@ FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met
         const image_t twice = image_of(p->w + p->w);
         book_row(launch, ledger, ROW_KILLED, ends, before);
         book_row(launch, ledger, ROW_BOOSTED, lives, ${point("roulette.added", "image_difference(twice, before)")});
-        p->w = SEL(lives, ${point("roulette.weight", "p->w + p->w")}, p->w);
+        p->w = SEL_WEIGHT(lives, ${point("roulette.weight", "p->w + p->w")}, p->w);
         p->alive &= ~ends;
     }
 }

@@ -2,7 +2,7 @@
 // An ending as the tally stage reads it: one number of each.
 typedef struct {
 % for field in ending_fields:
-    ${{"real": "double", "word": "uint"}[field.type]} ${field.name};  // ${field.meaning}
+    ${{"real": "double", "weight": "double", "word": "uint"}[field.type]} ${field.name};  // ${field.meaning}
 % endfor
 } ending_record_t;
 

@@ -14,9 +14,17 @@
 #define IN_OTHERS(code) INE((code) & (1L << ${code["coincident"].shift}), lsplat(0L))
 // Rounding of a point on a ray, relative to its coordinates, eight times over.
 #define COINCIDENT R(0x1p8 * UNIT_ROUNDOFF)
+% if real == "double":
 // No face that is there is farther off than the nearest by more than this part of the way: then a ray
 // runs along it at less than 2^-35 rad.
 #define FARTHEST R(0x1p43 * UNIT_ROUNDOFF)
+// The cosine of normals of one tangent plane is no less, 2^-14.5 rad apart.
+#define PARALLEL R(1.0 - 0x1p23 * UNIT_ROUNDOFF)
+% else:
+// The same with rays at less than 2^-11 rad, and normals 2^-8.5 rad apart.
+#define FARTHEST R(0x1p19 * UNIT_ROUNDOFF)
+#define PARALLEL R(1.0 - 0x1p6 * UNIT_ROUNDOFF)
+% endif
 #define NO_RANK LONG_MAX
 
 FN void locate(const scene_t *scene, const packet_t *p, const hit_t *h, contact_t *c);
@@ -64,7 +72,7 @@ FN void settle(search_t *search, const packet_t *p, mask m, real farthest, real 
     const mask far_end = EQ(search->nearest, splat(0.0)) & IEQ(code, p->left >> 2);
     const mask there = EQ(t, search->nearest)
         | (LE(fabs((t - search->nearest) * d_n), ${point("coincidence.room", "(search->room + room)")}) & LE(t, farthest) & ~far_end & ~edge
-           & ${point("coincidence.parallel", "GE(along, R(1.0 - 0x1p23 * UNIT_ROUNDOFF))")});
+           & ${point("coincidence.parallel", "GE(along, PARALLEL)")});
     const lint rank = rank_of(code, ~came_from_plus(p, c));
     const mask first = m & there & (ILT(rank, search->rank) | (IEQ(rank, search->rank) & ILT(code, search->code)));
     search->code = SELI(first, code, search->code);

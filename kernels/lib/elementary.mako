@@ -12,6 +12,8 @@
     cos_poly = ["-0x1.3bd3cc9be45dep+4", "0x1.03c1f081b5ac0p+6", "-0x1.55d3c7e3cb241p+6",
                 "0x1.e1f5068688d5bp+5", "-0x1.a6d1eef479be1p+4", "0x1.f9ce245cada0bp+2",
                 "-0x1.b2f3eb054afcdp+0"]
+    # 2 pi less the number nearest to it
+    two_pi_rest = "0x1.1a62633145c07p-52" if real == "double" else "-0x1.777a5cf72cecep-23"
 %>
 FN void sincos_turns(real x, real *s, real *c) {
     // 4x + TO_INTEGER rounds to the nearest quarter turn and leaves its number in the low bits.
@@ -26,7 +28,7 @@ FN void sincos_turns(real x, real *s, real *c) {
     pc = fma(pc, z, splat(${b}));
 % endfor
     // sin = r (hi + lo + z ps), the large term last
-    const real sr = fma(r, splat(0x1.921fb54442d18p+2), r * fma(z, ps, splat(0x1.1a62633145c07p-52)));
+    const real sr = fma(r, splat(0x1.921fb54442d18p+2), r * fma(z, ps, splat(${two_pi_rest})));
     const real cr = fma(pc, z, splat(1.0));
     const mask odd = MASK_OF(-(quarter & 1L));
     const mask turn_s = INE(quarter & 2L, lsplat(0L));

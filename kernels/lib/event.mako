@@ -24,15 +24,23 @@ FN real material_number(const material_t *material, int column) {
     return gather(material->table + column, material->row);
 }
 
+// The same for what a weight is multiplied by: it must not be rounded to what lengths are.
+FN weight weight_number(const material_t *material, int column) {
+    if (material->only >= 0) return weight_splat(material->table[material->only + column]);
+    return gather_weight(material->table + column, material->row);
+}
+
 // dx, dy, dz, w: the ray that goes on in its lane, none where w is 0.  went_plus: whether on the + side.
 // splits: lanes in which a second ray goes on, on the side that the ray came from, with direction second_d
 // and weight second_w.  passes: lanes in which nothing happened: the ray goes on in its generation.
 typedef struct {
-    real dx, dy, dz, w;
+    real dx, dy, dz;
+    weight w;
     mask went_plus;
 % if pairs:
     mask splits;
-    real second_dx, second_dy, second_dz, second_w;
+    real second_dx, second_dy, second_dz;
+    weight second_w;
 % endif
 % if passes:
     mask passes;
@@ -42,12 +50,12 @@ typedef struct {
 FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
     outcome_t o;
     o.dx = p->dx; o.dy = p->dy; o.dz = p->dz;
-    o.w = splat(0.0);
+    o.w = weight_splat(0.0);
     o.went_plus = c->came_plus;
 % if pairs:
     o.splits = NO_LANES;
     o.second_dx = p->dx; o.second_dy = p->dy; o.second_dz = p->dz;
-    o.second_w = splat(0.0);
+    o.second_w = weight_splat(0.0);
 % endif
 % if passes:
     o.passes = NO_LANES;
@@ -56,14 +64,14 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
 }
 
 // The ray goes on with a direction and a weight, on the side that it came from.
-FN void send_on(outcome_t *o, mask m, real dx, real dy, real dz, real w) {
+FN void send_on(outcome_t *o, mask m, real dx, real dy, real dz, weight w) {
     o->dx = SEL(m, dx, o->dx); o->dy = SEL(m, dy, o->dy); o->dz = SEL(m, dz, o->dz);
-    o->w = SEL(m, w, o->w);
+    o->w = SEL_WEIGHT(m, w, o->w);
 }
 % if pairs:
 
 // A second ray goes on beside it.
-FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, real w) {
+FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, weight w) {
 % if sum(s.splits for s in surfaces) == 1:
     // no other kind sends one: what lanes without one hold is not read
     o->second_dx = dx; o->second_dy = dy; o->second_dz = dz;
@@ -71,7 +79,7 @@ FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, real w) {
 % else:
     o->second_dx = SEL(m, dx, o->second_dx); o->second_dy = SEL(m, dy, o->second_dy);
     o->second_dz = SEL(m, dz, o->second_dz);
-    o->second_w = SEL(m, w, o->second_w);
+    o->second_w = SEL_WEIGHT(m, w, o->second_w);
 % endif
     o->splits |= m;
 }

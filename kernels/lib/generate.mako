@@ -7,7 +7,8 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
     const word lo = TO_WORD(number), hi = TO_WORD(number >> 32);
     const word born = wsplat(0u);
     const luint root = (luint)(1UL);
-    real x = splat(0.0), y = splat(0.0), z = splat(0.0), dx = x, dy = x, dz = x, w = splat(1.0);
+    real x = splat(0.0), y = splat(0.0), z = splat(0.0), dx = x, dy = x, dz = x;
+    weight w = weight_splat(1.0);
     real u, v, pu = splat(0.0), pv = splat(0.0);
     draw_pair(launch->seed, lo, hi, root, born, DECIDE_DIRECTION, &u, &v);
 % if any(s.draws_position for s in sources):
@@ -27,11 +28,11 @@ FN void generate(const launch_t *launch, const scene_t *scene, ulong slot, lint 
 % endfor
             x = SEL(k, sx, x); y = SEL(k, sy, y); z = SEL(k, sz, z);
             dx = SEL(k, sdx, dx); dy = SEL(k, sdy, dy); dz = SEL(k, sdz, dz);
-            w = SEL(k, ${point("generate.weight", "splat(source[SOURCE_WEIGHT])")}, w);
+            w = SEL_WEIGHT(k, ${point("generate.weight", "weight_splat(source[SOURCE_WEIGHT])")}, w);
         }
     }
 % for field in ray_fields:
-    p->${field.name} = ${{"real": "SEL", "word": "SELW"}.get(field.type, "SELI")}(m, ${field.start}, p->${field.name});
+    p->${field.name} = ${{"real": "SEL", "weight": "SEL_WEIGHT", "word": "SELW"}.get(field.type, "SELI")}(m, ${field.start}, p->${field.name});
 % endfor
     p->alive |= m;
 }

@@ -2,7 +2,7 @@
 ##
 ## What the statements of effects find in scope.  Everywhere `launch`, the launch structure with the
 ## effect's own members, and `ledger`; types are those of event.mako, limbs.mako and ledger.mako, and a
-## `real`, `lint` or `mask` has a value for each lane.  All are to be read; what may be written is said.
+## `real`, `weight`, `lint` or `mask` has a value for each lane.  All are to be read; what may be written is said.
 ##
 ##   travel   (in interact) scene; p: the packet at the start of the segment, with its weight before (w may be
 ##            written, what it loses booked); h: what it meets, h->found the lanes that meet a face, h->t the length of
@@ -20,7 +20,7 @@
 ##            interaction, whether or not a ray goes on in them: rays are in p->alive & met.
 ##
 ## An image_t is a weight as three integers, in units of 2^-31, 2^-63 and 2^-95: image_of(w) makes one,
-## book_row books it on a row of the effect.  count_weights adds a `real` to the effect's cells.
+## book_row books it on a row of the effect.  count_weights adds a `weight` to the effect's cells.
 // One interaction, the only one that there is: travel -> shade -> record -> survive, from the nearest
 // face on.  The persistent packet, the whole path, the classical stages, the follower and the path
 // recorder all call it.

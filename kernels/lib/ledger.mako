@@ -95,10 +95,10 @@ FN void close_ledger(ledger_t *ledger) {
 // Adds weights to cells that an effect has of its own: of each lane in m its w, and one to the count, to
 // cell `first` + number.  0 <= w <= 4, which the weight of a ray keeps: what is longer must be scaled
 // (Effect.scale).  A cell that was given another number is filled up, and the host ends the run.
-FN void count_weights(const ledger_t *ledger, ulong first, lint number, mask m, real w) {
+FN void count_weights(const ledger_t *ledger, ulong first, lint number, mask m, weight w) {
 % if books:
-    const mask fits = GE(w, splat(0.0)) & LE(w, splat(4.0));
-    const image_t image = image_of(SEL(fits, w, splat(0.0)));
+    const mask fits = WEIGHT_GE(w, weight_splat(0.0)) & WEIGHT_LE(w, weight_splat(4.0));
+    const image_t image = image_of(SEL_WEIGHT(fits, w, weight_splat(0.0)));
 % for l in range(lanes):
     if (${lane("m", l)}) {
         __global long *cell = ledger->tally + (first + (ulong)${lane("number", l)}) * CELL;

@@ -7,7 +7,7 @@
 #define LIMB_MAGIC 0x1.8p52
 typedef struct { lint p0, p1, p2; } image_t;
 
-FN image_t image_of(real w) {
+FN image_t image_of(weight w) {
     image_t r;
     const wide s = TO_WIDE(w) * 0x1p31;
     const wide t0 = s + LIMB_MAGIC;

@@ -46,10 +46,20 @@ FN void philox4x32_10(word *c0, word *c1, word *c2, word *c3, uint k0, uint k1) 
 }
 % endif
 
+% if real == "double":
 // Two words to a double in [0, 1): 53 bits, every step exact.
 FN real u01_closed_open(word hi, word lo) {
     return fma(TO_REAL(hi), splat(0x1p-32), ${point("philox.low_word", "TO_REAL(lo >> 11)")} * R(0x1p-53));
 }
+% else:
+// Two words to a float in [0, 1): the double that they make, cut to 24 bits from its first one on.
+// Rounded to nearest it could be 1, and a chance of 1/2 would be less than that; cut, it is below
+// another float where the double is.  Below 2^-8 all of `hi` is kept, and the sum is rounded.
+FN real u01_closed_open(word hi, word lo) {
+    const word cut = (wsplat(0xFFFFFFFFu) >> clz(hi)) >> 24;
+    return fma(TO_REAL(hi & ~cut), splat(0x1p-32), ${point("philox.low_word", "TO_REAL(lo >> 11)")} * R(0x1p-53));
+}
+% endif
 
 // The two uniforms in [0, 1) of one decision of one ray.
 FN void draw_pair(ulong seed, word ray_lo, word ray_hi, luint path, word generation, uint decision,

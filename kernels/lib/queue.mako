@@ -1,4 +1,5 @@
-## ray_fields, ray_real, ray_word, ray_long: what a ray carries, by type; ending_real, ending_word;
+## ray_fields, ray_real, ray_word, ray_long: what a ray carries, by type, weights among the reals;
+## ending_fields, ending_real, ending_word;
 ## records, interleaved
 // The queue of waiting rays: a stack for each work-item (its segment), fields as structure of
 // arrays.  No atomics: a segment has one owner.  reads and writes: queue buffers, item->stack.
@@ -17,6 +18,7 @@ FN queue_t open_queue(const launch_t *launch, __global double *reals, __global u
     place = "(i * (long)q->items + (long)q->item)" if interleaved else "((long)(q->item * q->capacity) + i)"
     field = "(long)(q->items * q->capacity)"
     unsigned = {f.name for f in ray_fields if f.type == "ulong"}
+    weights = {f.name for f in ray_fields if f.type == "weight"}
 %>
 FN lint queue_place(const queue_t *q, lint i) {
     return ${place};
@@ -27,7 +29,7 @@ FN void take_rays(const queue_t *q, lint i, mask m, packet_t *p) {
     const lint at = queue_place(q, SELI(m, i, lsplat(0L)));
     const long field = ${field};
 % for n, name in enumerate(ray_real):
-    p->${name} = SEL(m, gather(q->reals + ${n} * field, at), p->${name});
+    p->${name} = ${"SEL_WEIGHT(m, gather_weight" if name in weights else "SEL(m, gather"}(q->reals + ${n} * field, at), p->${name});
 % endfor
 % for n, name in enumerate(ray_word):
     p->${name} = SELW(m, gather_word(q->words + ${n} * field, at), p->${name});
@@ -59,7 +61,7 @@ FN void put_rays(const queue_t *q, lint i, mask m, const packet_t *p) {
     // through memory: a lane is then a load
     union { lint v; long s[LANES]; } place = {at};
 % for name in ray_real:
-    union { real v; scalar s[LANES]; } ${name} = {p->${name}};
+    union { ${"weight" if name in weights else "real"} v; ${"weight_scalar" if name in weights else "scalar"} s[LANES]; } ${name} = {p->${name}};
 % endfor
 % for name in ray_word:
     union { word v; uint s[LANES]; } ${name} = {p->${name}};
@@ -120,8 +122,9 @@ FN void put_records(const records_t *r, ulong *n_records, const ending_t *end) {
     }
 % else:
     if (!ANY(end->m)) return;
+<% weights = {f.name for f in ending_fields if f.type == "weight"} %>
 % for name in ending_real:
-    union { real v; scalar s[LANES]; } ${name} = {end->${name}};
+    union { ${"weight" if name in weights else "real"} v; ${"weight_scalar" if name in weights else "scalar"} s[LANES]; } ${name} = {end->${name}};
 % endfor
 % for name in ending_word:
     union { word v; uint s[LANES]; } ${name} = {end->${name}};

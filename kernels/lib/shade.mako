@@ -58,7 +58,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % if lossy:
     {
 % if lossy_splits:
-        const image_t sent = image_sum(image_of(outcome.w), image_of(SEL(outcome.splits, outcome.second_w, splat(0.0))));
+        const image_t sent = image_sum(image_of(outcome.w), image_of(SEL_WEIGHT(outcome.splits, outcome.second_w, weight_splat(0.0))));
         const image_t kept = image_difference(before, ${point("shade.sent", "sent")});
 % else:
         const image_t kept = image_difference(before, image_of(outcome.w));
@@ -119,6 +119,6 @@ ${statement}
     p->dx = outcome.dx; p->dy = outcome.dy; p->dz = outcome.dz;
     p->w = outcome.w;
     p->left = face | (INT_MASK(outcome.went_plus) & 2L);
-    p->alive = found & GT(outcome.w, splat(0.0));
+    p->alive = found & WEIGHT_GT(outcome.w, weight_splat(0.0));
     return met;
 }

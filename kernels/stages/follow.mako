@@ -29,7 +29,8 @@ __kernel void follow_stage(SCENE_ARGUMENTS, __global const double *rays, __globa
         contact_t c;
         packet_t child;
         interact(&settings, &scene, 0, 0, &ledger, &p, &hit, &c, &child);
-        real rx = p.dx, ry = p.dy, rz = p.dz, rw = 0.0;
+        real rx = p.dx, ry = p.dy, rz = p.dz;
+        weight rw = 0.0;
 % if splits:
         if (child.alive) {
             if (mirrored) {

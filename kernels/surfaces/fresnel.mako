@@ -35,17 +35,17 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     const real rp = ${careful("geometry", "k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b)", "(ci - m * ct) / b")};
     const real whole = fmin(${point("fresnel.reflectance", "R(0.5) * fma(rs, rs, rp * rp)")}, splat(1.0));
     const mask total = LE(ct2, splat(0.0));
-    const real wr = SEL(total, p->w, p->w * whole);
-    const real wt = ${point("fresnel.transmitted", "p->w - wr")};
+    const weight wr = SEL_WEIGHT(total, p->w, p->w * TO_WEIGHT(whole));
+    const weight wt = ${point("fresnel.transmitted", "p->w - wr")};
     real x, y, z;
     reflect(p, c, &x, &y, &z);
     // refracted: m (d - (d.n) n) + sign(d.n) ct n
     const real g = copysign(ct, dn);
     real tx = fma(m, sx, g * c->nx), ty = fma(m, sy, g * c->ny), tz = fma(m, sz, g * c->nz);
     renormalise(&tx, &ty, &tz);
-    const mask reflects = total | LE(wt, splat(0.0));
+    const mask reflects = total | WEIGHT_LE(wt, weight_splat(0.0));
     send_on(outcome, event->m, SEL(reflects, x, tx), SEL(reflects, y, ty), SEL(reflects, z, tz),
-            SEL(reflects, p->w, wt));
+            SEL_WEIGHT(reflects, p->w, wt));
     outcome->went_plus = SELM(event->m & ~reflects, ~c->came_plus, outcome->went_plus);
-    send_second(outcome, ${point("fresnel.splits", "event->m & ~reflects & GT(wr, splat(0.0))")}, x, y, z, wr);
+    send_second(outcome, ${point("fresnel.splits", "event->m & ~reflects & WEIGHT_GT(wr, weight_splat(0.0))")}, x, y, z, wr);
 }

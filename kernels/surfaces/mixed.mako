@@ -6,17 +6,17 @@
 // gives: the specular ray and the diffuse one beside it; the diffuse one alone where nothing is specular.
 FN void meet_mixed(const encounter_t *event, const material_t *material, outcome_t *outcome) {
     const packet_t *p = event->p;
-    const real s = material_number(material, MIXED_SPECULAR), d = material_number(material, MIXED_DIFFUSE);
-    const real large = p->w * ${point("mixed.larger", "fmax(s, d)")}, small = fmin(p->w * fmin(s, d), p->w - large);
-    const mask shines = GE(s, d);
-    const real w_specular = SEL(shines, large, small), w_diffuse = SEL(shines, small, large);
+    const weight s = weight_number(material, MIXED_SPECULAR), d = weight_number(material, MIXED_DIFFUSE);
+    const weight large = p->w * ${point("mixed.larger", "fmax(s, d)")}, small = fmin(p->w * fmin(s, d), p->w - large);
+    const mask shines = WEIGHT_GE(s, d);
+    const weight w_specular = SEL_WEIGHT(shines, large, small), w_diffuse = SEL_WEIGHT(shines, small, large);
     real sx, sy, sz, x, y, z;
     reflect(p, event->c, &sx, &sy, &sz);
     scatter_diffusely(event->seed, p, event->c, &x, &y, &z);
-    const mask specular = GT(w_specular, splat(0.0));
+    const mask specular = WEIGHT_GT(w_specular, weight_splat(0.0));
     send_on(outcome, event->m, ${point("mixed.first", "SEL(specular, sx, x)")}, SEL(specular, sy, y), SEL(specular, sz, z),
-            SEL(specular, w_specular, w_diffuse));
+            SEL_WEIGHT(specular, w_specular, w_diffuse));
 % if surface.splits:
-    send_second(outcome, event->m & specular & GT(w_diffuse, splat(0.0)), x, y, z, w_diffuse);
+    send_second(outcome, event->m & specular & WEIGHT_GT(w_diffuse, weight_splat(0.0)), x, y, z, w_diffuse);
 % endif
 }

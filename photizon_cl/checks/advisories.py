@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from photizon_cl.checks.coarse import coarse
 from photizon_cl.checks.coincident import coincident_faces
+from photizon_cl.checks.gaps import lost_gaps
+from photizon_cl.checks.precision import DEFAULT, mode_of
 from photizon_cl.scene.elements.base import OTHER_SIDE
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
@@ -22,13 +24,28 @@ _CAPPED = 1e-6  # expected depth-capped part of the flux that is worth a word
 _SPLITTING_CAP = 24  # generations after which 2^n children are too many to follow
 
 
-def advisories(scene: Scene) -> list[str]:
-    """Return one sentence for each thing that deserves a second look, in scene order."""
+def advisories(scene: Scene, precision: str = DEFAULT) -> list[str]:
+    """Return one sentence for each thing that deserves a second look, in scene order.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is looked at.
+    precision : str, optional
+        In which it is to be run, as in `photizon_cl.trace`.
+
+    Raises
+    ------
+    ArgumentError
+        Where there is no such precision.
+    """
+    roundoff = mode_of(precision).roundoff
     found: list[str] = []
     found += _sources_on_faces(scene)
     found += _covered_elements(scene)
     found += _blind_detectors(scene)
-    found += coarse(scene)
+    found += coarse(scene, roundoff)
+    found += lost_gaps(scene, roundoff)
     found += _capped_cavities(scene)
     found += _surfaces(scene)
     return found

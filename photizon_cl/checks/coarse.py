@@ -1,9 +1,11 @@
-"""What its coordinates cannot carry: far from the origin doubles are coarse.
+"""What its coordinates cannot carry: far from the origin numbers are coarse.
 
 A hit counts as within an element up to some roundings of the coordinates beyond its edges, so that
 elements that share an edge leave no gap (`photizon_cl.scene.elements.flat`). These are roundings
 of the position as it was given: an element that is tiny beside its distance from the origin comes
 out too large by as much, and the points and normals of a curved one are off by as much.
+
+In single precision that is so of what is small beside the scene, and its products have a range.
 """
 
 from __future__ import annotations
@@ -13,22 +15,34 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.geometry.placing import bounded, recentre
+from photizon_cl.scene.described import parameters_of
+from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.flat import EDGES_TILTED
 from photizon_cl.scene.faces import Ball, Plane, Revolved, Straight
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.faces import Face
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.sources import Source
 
-__all__ = ["coarse", "relative_error", "spacing"]
+__all__ = ["coarse", "lost", "relative_error"]
 
 _NOTED: Final = 1e-6
 """Relative error that is worth a word: no run sees less, since a standard error of as much takes
 about 10^12 rays; a run of an hour on a fast device reaches 10^-5."""
+_NOTED_SINGLE: Final = 1e-4
+"""The same in single precision, whose results are good to some 10^-6 wherever elements stand: who
+asks for it is after less."""
+_LOST: Final = 0.1
+"""From such an error on an element is lost in single precision: a run says something else."""
+_RANGE: Final = (1e-12, 1e15)
+"""Metres of which single precision still holds the squares with the rounding of their sums."""
+_SHORTEST: Final = 64.0
+"""Roundings of an element's coordinates that a length of it must have, as a vertex radius."""
 _MET: Final = 2.0
 """Roundings of the place at which a ray meets an element."""
 _EDGES: Final = EDGES_TILTED[0] + _MET
@@ -41,10 +55,129 @@ _CLOSED: Final = 2.0**-40
 _PLACES: Final = np.linspace(0.0, 1.0, 33)
 
 
-def coarse(scene: Scene) -> Iterator[str]:
-    """Give a sentence for each element and source that is too small for its coordinates."""
-    yield from _limited(map(_element, scene.element), "elements")
-    yield from _limited(map(_source, scene.source), "sources")
+def coarse(scene: Scene, roundoff: float = ROUNDOFF) -> Iterator[str]:
+    """Give a sentence for each element and source that is too small for its coordinates.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is looked at.
+    roundoff : float, optional
+        Unit roundoff of the coordinates that the kernels compute in.
+    """
+    grid = _Grid(scene, roundoff)
+    yield from _limited((_element(e, grid) for e in scene.element), "elements")
+    yield from _limited((_source(s, grid) for s in scene.source), "sources")
+
+
+def lost(scene: Scene, roundoff: float) -> str:
+    """Say what of a scene coordinates of single precision cannot carry at all; empty where nothing.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is looked at.
+    roundoff : float
+        As `coarse` takes it; of doubles nothing is lost that was given in them.
+    """
+    if roundoff == ROUNDOFF:
+        return ""
+    grid = _Grid(scene, roundoff)
+    for element in scene.element:
+        error, size = relative_error(element, grid)
+        far = grid.far(element.position)
+        if error > _LOST:
+            return (
+                f'element "{element.name}" is lost in it: {grid.where(size, element.position)}, so '
+                f"that its area or its openings would come out wrong by {min(error, 1.0):.1e}"
+            )
+        below = _below(element, grid)
+        if below:
+            return below
+        least, most = _RANGE
+        if not (least <= size or size == 0.0) or far + element.reach > most:
+            found = size if size < least else far + element.reach
+            return (
+                f'element "{element.name}" has lengths of {found:.1e} m, and single precision '
+                f"holds squares of those from {least:g} to {most:g} m"
+            )
+    return ""
+
+
+def _below(element: Element, grid: _Grid) -> str:
+    """Say which of an element's lengths is below the rounding of its coordinates, or nothing."""
+    rounding = grid.roundoff * (grid.far(element.position) + element.reach)
+    for name, parameter in parameters_of(type(element)).items():
+        value = getattr(element, name)
+        length = getattr(parameter, "unit", "") == "m" and isinstance(value, float)
+        if length and 0.0 < value < _SHORTEST * rounding:
+            return (
+                f'element "{element.name}" is lost in it: its {name} of {value:.3g} m is below '
+                f"{_SHORTEST * rounding:.1e} m, what {_SHORTEST:.0f} roundings of its coordinates "
+                "amount to"
+            )
+    low, high = element.local_box
+    thickness = min(b - a for a, b in zip(low, high, strict=True))
+    if not element.flat and thickness < 2.0 * _EDGES * rounding:
+        return (
+            f'element "{element.name}" is lost in it: it is {thickness:.1e} m thick, and its faces '
+            f"are good to {_EDGES * rounding:.1e} m"
+        )
+    return ""
+
+
+class _Grid:
+    """How fine the kernels' coordinates are at a place.
+
+    Parameters
+    ----------
+    scene : Scene or None
+        Whose coordinates; in single precision those of the recentred scene.
+    roundoff : float
+        Unit roundoff of them.
+    """
+
+    def __init__(self, scene: Scene | None = None, roundoff: float = ROUNDOFF) -> None:
+        self.roundoff, self.single = roundoff, roundoff != ROUNDOFF
+        self._shift = recentre(scene) if scene and self.single else (0.0, 0.0, 0.0)
+
+    @property
+    def noted(self) -> float:
+        """Relative error that is worth a word."""
+        return _NOTED_SINGLE if self.single else _NOTED
+
+    def far(self, position: Sequence[float]) -> float:
+        """Return the farthest coordinate of a position, in metres, that its rounding follows."""
+        return max(bounded(position, self._shift, self.roundoff))
+
+    def spacing(self, position: Sequence[float]) -> float:
+        """Return the distance in metres of neighbouring numbers there."""
+        return math.ulp(self.far(position)) * (self.roundoff / ROUNDOFF)
+
+    def where(self, size: float, position: Sequence[float]) -> str:
+        """Say how large something is beside the grid where it stands."""
+        what = "single-precision numbers" if self.single else "doubles"
+        return (
+            f"{size:.3g} m across at {self.far(position):.3g} m, where {what} are "
+            f"{self.spacing(position):.1e} m apart"
+        )
+
+    @property
+    def remedy(self) -> str:
+        """What to do."""
+        if self.single:
+            return "run it in fp64"
+        return "give all positions relative to a point near it"
+
+    @property
+    def beside(self) -> str:
+        """What small things are small beside."""
+        if self.single:
+            return "its distance from the middle of the scene, for single precision"
+        return "its distance from the origin"
+
+
+_DOUBLES: Final = _Grid()
 
 
 def _limited(found: Iterable[str | None], what: str) -> Iterator[str]:
@@ -54,45 +187,33 @@ def _limited(found: Iterable[str | None], what: str) -> Iterator[str]:
         yield f"{len(texts) - _NAMED} more {what} are as small beside their distances"
 
 
-def _element(element: Element) -> str | None:
-    error, size = relative_error(element)
-    if error <= _NOTED:
+def _element(element: Element, grid: _Grid) -> str | None:
+    error, size = relative_error(element, grid)
+    if error <= grid.noted:
         return None
     most = f"{error:.1e} of what they are" if error < 1.0 else "all of what they are, or more"
     return (
-        f'element "{element.name}" is small beside its distance from the origin, or an opening in '
-        f"it is: {_where(size, element.position)}. Its area or its openings may come out wrong by "
-        f"up to {most}, and normals of curved faces by as much; {_REMEDY}"
+        f'element "{element.name}" is small beside {grid.beside}, or an opening in it is: '
+        f"{grid.where(size, element.position)}. Its area or its openings may come out wrong by "
+        f"up to {most}, and normals of curved faces by as much; {grid.remedy}"
     )
 
 
-def _source(source: Source) -> str | None:
+def _source(source: Source, grid: _Grid) -> str | None:
     if source.face is None:
         return None
     size = source.reach
-    step = spacing(source.position)
-    if step <= _NOTED * size:
+    step = grid.spacing(source.position)
+    if step <= grid.noted * size:
         return None
     return (
-        f'source "{source.name}" is small beside its distance from the origin: '
-        f"{_where(2.0 * size, source.position)}. That is the grid that its rays start on; {_REMEDY}"
+        f'source "{source.name}" is small beside {grid.beside}: '
+        f"{grid.where(2.0 * size, source.position)}. That is the grid that its rays start on; "
+        f"{grid.remedy}"
     )
 
 
-_REMEDY: Final = "give all positions relative to a point near it"
-
-
-def _where(size: float, position: Iterable[float]) -> str:
-    far = max(map(abs, position))
-    return f"{size:.3g} m across at {far:.3g} m, where doubles are {math.ulp(far):.1e} m apart"
-
-
-def spacing(position: Iterable[float]) -> float:
-    """Return the distance in metres of neighbouring doubles at the farthest coordinate."""
-    return math.ulp(max(map(abs, position)))
-
-
-def relative_error(element: Element) -> tuple[float, float]:
+def relative_error(element: Element, grid: _Grid = _DOUBLES) -> tuple[float, float]:
     """Return by how much an element's areas may be wrong because of where it stands, and its size.
 
     An edge stands off by at most δ, `_EDGES` roundings of the position's farthest coordinate. A
@@ -108,7 +229,9 @@ def relative_error(element: Element) -> tuple[float, float]:
     size : float
         What is worst carried, in metres from edge to edge; 0 for an element without area.
     """
-    edge = _EDGES * 2.0**-53 * max(map(abs, element.position))
+    far = grid.far(element.position)
+    # of doubles an element's own size is many
+    edge = _EDGES * grid.roundoff * (far + element.reach if grid.single else far)
     faces, openings = [], []
     for face in element.faces:
         sizes, through = _extents(face)

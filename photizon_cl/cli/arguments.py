@@ -15,6 +15,7 @@ __all__ = [
     "DIRECTORY",
     "JSON",
     "NO_FIGURES",
+    "PRECISION",
     "SEED",
     "add_goal",
     "add_scene",
@@ -32,6 +33,7 @@ _SET: Final = (
 NO_FIGURES: Final = "draw no figures into DIR"
 DIRECTORY: Final = "the directory that `photizon run --out` wrote"
 DEVICE: Final = "number, type or part of a name, see `photizon devices`"
+PRECISION: Final = "fp64 (the default), mixed (single precision, weights in double) or fp32"
 SEED: Final = "random stream, 0 to 2^64 - 1"
 JSON: Final = "print the summary as JSON, nothing else"
 

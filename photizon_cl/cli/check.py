@@ -6,11 +6,12 @@ import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.cli.arguments import add_scene, load_scene
+from photizon_cl.cli.arguments import PRECISION, add_scene, load_scene
 
 if TYPE_CHECKING:
     import argparse
 
+    from photizon_cl.checks.precision import Precision
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.scene.described import Described
     from photizon_cl.scene.model import Scene
@@ -21,6 +22,7 @@ __all__ = ["add_arguments", "call"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
     add_scene(parser)
+    parser.add_argument("--precision", metavar="P", help=f"for a run in {PRECISION}")
     parser.add_argument(
         "--no-pilot",
         action="store_true",
@@ -30,11 +32,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(arguments: argparse.Namespace) -> int:
     """Check a scene; return the exit status."""
-    _print(load_scene(arguments), not arguments.no_pilot)
+    from photizon_cl.checks.precision import DEFAULT, fitting_mode
+
+    scene = load_scene(arguments)
+    _print(scene, fitting_mode(arguments.precision or DEFAULT, scene), not arguments.no_pilot)
     return 0
 
 
-def _print(scene: Scene, tracing: bool) -> None:
+def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
     """Print what a valid scene describes, what follows from it, and the advisories."""
     from rich.text import Text
 
@@ -44,7 +49,7 @@ def _print(scene: Scene, tracing: bool) -> None:
     from photizon_cl.run.speed import faster_runtime
     from photizon_cl.scene.frames import direction_words
 
-    compiled = compile_scene(scene, scene.run)
+    compiled = compile_scene(scene, scene.run, precision=mode.name)
     out = console()
     out.print(heading(scene.name, f"  {scene.title}"))
 
@@ -52,6 +57,8 @@ def _print(scene: Scene, tracing: bool) -> None:
         out.print(paragraph(text, indent), soft_wrap=True)
 
     line(f"run: {_describe(scene.run)}")
+    if mode.single:
+        line(f"precision: {mode.name}, {mode.what}")
     if scene.far_field is not None:
         line(f"far field: {_describe(scene.far_field)}; {_derived(scene.far_field)}")
     line(f"memory: {_memory(compiled)}")
@@ -78,9 +85,9 @@ def _print(scene: Scene, tracing: bool) -> None:
                 u, v, w = map(direction_words, element.frame)
                 line(f"map: u is {u}, v is {v}, the axis {w}", "    ")
     out.print()
-    found = advisories(scene)
+    found = advisories(scene, mode.name)
     if tracing:
-        texts, more = _pilot(scene)
+        texts, more = _pilot(scene, mode.name)
         for text in texts:
             line(text, "")
         found += more
@@ -101,7 +108,7 @@ def _tell(text: str) -> None:
         print(text, file=sys.stderr, flush=True)
 
 
-def _pilot(scene: Scene) -> tuple[list[str], list[str]]:
+def _pilot(scene: Scene, precision: str) -> tuple[list[str], list[str]]:
     """Return what a pilot found, a line each, and what of that is worth a second look."""
     from hostcode.errors import HostError
     from photizon_cl.errors import PhotizonError
@@ -110,13 +117,13 @@ def _pilot(scene: Scene) -> tuple[list[str], list[str]]:
     from photizon_cl.run.pilot import pilot
 
     try:
-        found = pilot(scene)
+        found = pilot(scene, precision=precision)
         clashes = clashing_media(scene)
     except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
         return [f"pilot: none was traced: {str(error) or 'no memory is left for it'}"], []
     time = None
     with suppress(PhotizonError, HostError, MemoryError):  # fewer rays than a run has may not do
-        time = outlay(scene) if found.complete else None
+        time = outlay(scene, precision=precision) if found.complete else None
     told = [f"pilot: {found}"] + ([] if time is None else [f"time: {time}"])
     advice = [found.before(scene.run.rays_per_batch), "" if time is None else time.advice()]
     return told, [*clashes, *filter(None, advice)]

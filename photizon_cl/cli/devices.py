@@ -33,6 +33,7 @@ def call(arguments: argparse.Namespace) -> int:
         out.print(paragraph(f"{record.platform}, driver {record.driver}", "    "), soft_wrap=True)
         memory = record.global_memory / 2**30
         precision = "fp64" if record.fp64 else "no fp64"
+        precision += ", fp32 to the bit" if record.fp32_exact else ", fp32 not to the bit"
         atomics = "int64 atomics" if record.int64_atomics else "no int64 atomics"
         facts = (
             f"{record.compute_units} compute units, {memory:.1f} GiB, {precision}, {atomics}, "

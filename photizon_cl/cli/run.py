@@ -10,6 +10,7 @@ from photizon_cl.cli.arguments import (
     DEVICE,
     JSON,
     NO_FIGURES,
+    PRECISION,
     SEED,
     add_goal,
     add_scene,
@@ -39,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rays-per-batch", type=integer, metavar="N", help="rays launched in a batch, up to 2^24"
     )
     parser.add_argument("--device", metavar="D", help=DEVICE)
-    parser.add_argument("--precision", metavar="P", help="fp64")
+    parser.add_argument("--precision", metavar="P", help=PRECISION)
     parser.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
     parser.add_argument("--no-figures", action="store_true", help=NO_FIGURES)
     parser.add_argument("--json", action="store_true", help=JSON)
@@ -68,14 +69,17 @@ def call(arguments: argparse.Namespace) -> int:
     else:
         scene = load_scene(arguments)  # a bad scene is told before anything heavy is imported
 
+    from photizon_cl.checks.precision import DEFAULT, mode_of
     from photizon_cl.cli.outcome import give
     from photizon_cl.cli.progress import Display
     from photizon_cl.run.batches import with_settings
     from photizon_cl.run.simulation import trace
 
     as_run = with_settings(scene, seed=arguments.seed, rays_per_batch=arguments.rays_per_batch)
-    _tell_loss(arguments.out, as_run)
-    said = _advise(scene, as_json=arguments.json)
+    precision = recipe.precision if recipe is not None else arguments.precision or DEFAULT
+    mode_of(precision)
+    _tell_loss(arguments.out, as_run, precision)
+    said = _advise(scene, precision, as_json=arguments.json)
     with Display(scene.heading) as display:
         if recipe is not None:
             result = recipe.trace(
@@ -91,7 +95,7 @@ def call(arguments: argparse.Namespace) -> int:
                 max_seconds=arguments.max_seconds,
                 rays_per_batch=arguments.rays_per_batch,
                 device=arguments.device,
-                precision=arguments.precision or "fp64",
+                precision=precision,
                 progress=display.update,
                 checkpoint=arguments.out,
             )
@@ -105,11 +109,11 @@ def call(arguments: argparse.Namespace) -> int:
     return 1 if differs else status
 
 
-def _tell_loss(out: str | None, as_run: Scene) -> None:
+def _tell_loss(out: str | None, as_run: Scene, precision: str) -> None:
     """Say, while it can still be kept, that another run's result will be replaced."""
     from photizon_cl.run.directory import what_is_lost
 
-    lost = what_is_lost(out, as_run) if out is not None else ""
+    lost = what_is_lost(out, as_run, precision) if out is not None else ""
     if lost:
         print(
             f"photizon: {show(out)} holds the result of {lost}, which this run's will replace; "
@@ -151,7 +155,7 @@ def _recipe(arguments: argparse.Namespace) -> Recipe:
     return Recipe.read(given)
 
 
-def _advise(scene: Scene, *, as_json: bool) -> list[str]:
+def _advise(scene: Scene, precision: str, *, as_json: bool) -> list[str]:
     """Say a scene's advisories before the run; return what was said.
 
     The JSON has them; a scene that splits without end may take all its time, so then as well.
@@ -160,7 +164,7 @@ def _advise(scene: Scene, *, as_json: bool) -> list[str]:
         return []
     from photizon_cl.checks.advisories import advisories
 
-    found = advisories(scene)
+    found = advisories(scene, precision)
     for advisory in found:
         print(f"advisory: {advisory}", file=sys.stderr)
     return found

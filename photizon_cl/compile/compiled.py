@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from hostcode.program.precision import FP64, PRECISIONS
 from hostcode.program.spec import MAX_REGISTER_ELEMENTS, ProgramSpec
 from hostcode.run.tables import DeviceTables
 from hostcode.run.tally import image
@@ -20,7 +21,6 @@ from photizon_cl.compile.packing import (
     element_codes,
     geometry_table,
     material_table,
-    recentre,
     source_kinds,
     source_table,
     strides,
@@ -29,10 +29,12 @@ from photizon_cl.compile.packing import (
 from photizon_cl.compile.quantities import watched
 from photizon_cl.compile.rays import check_weights, ray_weights, share_rays
 from photizon_cl.errors import ArgumentError, Problem, SceneError, show
+from photizon_cl.geometry.placing import recentre, recentred
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from hostcode.program.precision import Precision
     from photizon_cl.compile.effects.base import Effect
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.scene.model import Scene
@@ -68,6 +70,8 @@ class CompiledScene:
         Exact weight launched in a batch, in units of 2^-95.
     shift : tuple of float
         Taken off every position so that a scene far from the origin loses nothing, in metres.
+    precision : Precision
+        What the kernels compute in.
     """
 
     scene: Scene
@@ -79,6 +83,7 @@ class CompiledScene:
     unit_power: float
     emitted: int
     shift: tuple[float, float, float]
+    precision: Precision = FP64
 
     @property
     def effects(self) -> frozenset[str]:
@@ -91,6 +96,7 @@ def compile_scene(
     settings: RunSettings,
     force: frozenset[str] = frozenset(),
     without: frozenset[str] = frozenset(),
+    precision: str = FP64.name,
 ) -> CompiledScene:
     """Compile a scene.
 
@@ -106,6 +112,8 @@ def compile_scene(
     without : frozenset of str
         Effects left out although the scene would have them. Only for one that changes no bit of the
         answer, as `acceleration`.
+    precision : str
+        What the kernels compute in, one of `hostcode.program.precision.PRECISIONS`.
 
     Raises
     ------
@@ -116,10 +124,16 @@ def compile_scene(
         beside another's that the tally could not hold them, or the scene has more elements or kinds
         than the kernels can tell apart.
     """
+    mode = PRECISIONS[precision]
     rays = share_rays(scene, settings.rays_per_batch)
-    unit_power, weights = ray_weights(scene, rays)
-    check_weights(scene, weights)
-    used = _effects_in_use(scene, settings, force | _asked_for(scene, settings), without)
+    unit_power, exact_weights = ray_weights(scene, rays)
+    check_weights(scene, exact_weights)
+    weights = [mode.weighed(weight) for weight in exact_weights]
+    shift = recentre(scene)
+    forced = force | _asked_for(scene, settings)
+    used = _effects_in_use(
+        recentred(scene, shift, mode.roundoff), settings, forced, without, mode.roundoff
+    )
     layout = lay_out(
         scene,
         [row for effect, _ in used for row in effect.rows(scene)],
@@ -130,7 +144,7 @@ def compile_scene(
         ],
     )
     layout = replace(layout, watched=watched(scene, layout, settings.target_on))
-    draft = Draft(scene, settings, layout, recentre(scene))
+    draft = Draft(scene, settings, layout, shift, precision=mode)
     for effect, reason in used:
         effect.prepare(draft, forced=reason == _FORCED)
 
@@ -154,6 +168,8 @@ def compile_scene(
         strides=stride,
         ledger=tuple(row.name for row in layout.rows),
         n_elements=len(scene.element) if len(scene.element) <= MAX_REGISTER_ELEMENTS else 0,
+        real=mode.real,
+        weight=mode.weight,
     )
     _fill(draft, used, spec)
     tables = DeviceTables(
@@ -170,7 +186,7 @@ def compile_scene(
     emitted = sum(n * image(w) for n, w in zip(rays, weights, strict=True))
     reasons = {**_kinds_in_use(scene), **{effect.name: reason for effect, reason in used}}
     return CompiledScene(
-        scene, settings, tables, layout, reasons, rays, unit_power, emitted, draft.shift
+        scene, settings, tables, layout, reasons, rays, unit_power, emitted, shift, mode
     )
 
 
@@ -205,7 +221,11 @@ _FORCED: Final = "it was asked for"
 
 
 def _effects_in_use(
-    scene: Scene, settings: RunSettings, force: frozenset[str], without: frozenset[str]
+    scene: Scene,
+    settings: RunSettings,
+    force: frozenset[str],
+    without: frozenset[str],
+    roundoff: float,
 ) -> list[tuple[Effect, str]]:
     """Ask every effect whether the scene needs it; return those in use, and why."""
     unknown = (force | without) - {effect.name for effect in EFFECTS}
@@ -218,7 +238,7 @@ def _effects_in_use(
     for effect in EFFECTS:
         if effect.name in without:
             continue
-        reason = effect.needed(scene, settings)
+        reason = effect.needed_within(scene, settings, roundoff)
         if reason is None and effect.name in force and effect.possible(scene):
             reason = _FORCED
         if reason is not None:

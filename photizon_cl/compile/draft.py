@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from hostcode.program.precision import FP64
 from hostcode.program.spec import TallyForm
 from photizon_cl.geometry.neighbours import Neighbours
+from photizon_cl.geometry.placing import recentred
 from photizon_cl.geometry.wedges import edge_factors
 
 if TYPE_CHECKING:
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from hostcode.program.precision import Precision
     from hostcode.program.spec import ElementClass, Strides
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.scene.filters.base import Filter
@@ -44,6 +47,8 @@ class Draft:
         Whether rays remember the weight with which they were launched.
     coincident : frozenset of int
         Numbers of the elements whose faces may lie in those of others.
+    precision : Precision
+        What the kernels compute in.
     """
 
     scene: Scene
@@ -53,6 +58,7 @@ class Draft:
     all_tilted: bool = False
     weights_differ: bool = False
     coincident: frozenset[int] = frozenset()
+    precision: Precision = FP64
     # the tables, filled in this order
     classes: tuple[ElementClass, ...] = ()
     strides: Strides | None = None
@@ -67,7 +73,8 @@ class Draft:
     @cached_property
     def near(self) -> Neighbours:
         """Which elements are near each other."""
-        return Neighbours(self.scene.element)
+        placed = recentred(self.scene, self.shift, self.precision.roundoff)
+        return Neighbours(placed.element, self.precision.roundoff)
 
     @cached_property
     def at_edges(self) -> NDArray[np.float64]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,6 +10,7 @@ from hostcode.errors import HostError
 from hostcode.program.codes import decode, encode
 from hostcode.program.spec import CACHE_LINE, ElementClass, SourceKind, Strides, SurfaceKind
 from photizon_cl.errors import ArgumentError
+from photizon_cl.geometry.placing import bounded, moved
 from photizon_cl.scene.frames import axis_index
 from photizon_cl.scene.rows import Row
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from photizon_cl.compile.draft import Draft
     from photizon_cl.compile.effects.base import Effect
     from photizon_cl.scene.elements.base import Element
-    from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.surfaces.base import Surface
 
@@ -122,7 +121,7 @@ def source_table(
     table = np.zeros((len(scene.source), stride.source))
     first = 0
     for row, source, n, weight in zip(table, scene.source, rays, weights, strict=True):
-        x, y, z = _from_shift(source.position, draft.shift)
+        x, y, z = moved(source.position, draft.shift)
         values = SOURCE.pack(
             {
                 "x": x,
@@ -142,24 +141,6 @@ def source_table(
 
 
 # -- elements ------------------------------------------------------------------------------------
-
-
-def recentre(scene: Scene) -> tuple[float, float, float]:
-    """Return the shift that brings a far scene near the origin, zero for one that is near.
-
-    A whole multiple of four times the scene's size, rounded to a power of two: positions lose
-    nothing by the subtraction, and a scene around the origin is not touched.
-    """
-    boxes = [(e.position, e.reach) for e in scene.element]
-    boxes += [(s.position, s.reach) for s in scene.source]
-    low = np.min([np.subtract(p, r) for p, r in boxes], axis=0)
-    high = np.max([np.add(p, r) for p, r in boxes], axis=0)
-    size = float(np.max(high - low))
-    if not size > 0.0:
-        return (0.0, 0.0, 0.0)
-    step = math.ldexp(4.0, math.frexp(size)[1])
-    x, y, z = (float(np.rint(c / step)) * step for c in (low + high) / 2)
-    return (x, y, z)
 
 
 def element_classes(
@@ -271,19 +252,15 @@ def geometry_table(
             table[:, place : place + len(effect.row)] = added
     rows = zip(table, elements, class_of, draft.at_edges.tolist(), strict=True)
     for row, element, cls, at_edges in rows:
-        x, y, z = centre = _from_shift(element.position, draft.shift)
-        # Two elements that share an edge agree on it only to the rounding of the positions that
-        # they were given: rounding bounds follow those, however near the recentred scene is.
-        ax, ay, az = (max(abs(c), abs(q)) for c, q in zip(centre, element.position, strict=True))
-        packed = element.row.pack(element.packed((ax, ay, az), cls.axis, at_edges))
+        x, y, z = moved(element.position, draft.shift)
+        centre = bounded(element.position, draft.shift, draft.precision.roundoff)
+        packed = element.row.pack(
+            element.packed(centre, cls.axis, at_edges, draft.precision.roundoff)
+        )
         row[0:first] = x, y, z
         row[first : first + len(packed)] = packed
         row[stride.row_frame : stride.row_frame + _FRAME] = np.ravel(element.frame)
     return table.ravel()
-
-
-def _from_shift(position: Sequence[float], shift: Vec3) -> Vec3:
-    return (position[0] - shift[0], position[1] - shift[1], position[2] - shift[2])
 
 
 # -- surfaces ------------------------------------------------------------------------------------

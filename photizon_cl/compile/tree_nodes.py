@@ -97,7 +97,9 @@ def add_tree(draft: Draft) -> tuple[int, NDArray[np.float64]]:
     """
     geometry = draft.geometry
     assert geometry is not None
-    boxes = world_boxes(draft.scene.element, draft.shift, draft.at_edges.max(axis=1))
+    boxes = world_boxes(
+        draft.scene.element, draft.shift, draft.at_edges.max(axis=1), draft.precision.roundoff
+    )
     rows = pack_nodes(*build_tree(boxes))
     # a node begins at a whole node from the table's beginning; the scene's size stands before the
     # first

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from photizon_cl.geometry.neighbours import Neighbours
-from photizon_cl.geometry.planes import ROUNDING, PlaneFaces, coplanar, face_pairs
+from photizon_cl.geometry.planes import PlaneFaces, coplanar, face_pairs
+from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.faces import Ball, Revolved
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def shared_places(near: Neighbours, wanted: Wanted) -> Iterator[Shared]:
         yield from (pair for pair in found if wanted(pair.first, pair.second))
 
 
-def unordered(elements: Sequence[Element]) -> Iterator[tuple[int, int]]:
+def unordered(elements: Sequence[Element], roundoff: float = ROUNDOFF) -> Iterator[tuple[int, int]]:
     """Give pairs of elements whose order in one place is for the kernels to settle.
 
     All elements for which that is so are among them, not all pairs. Elsewhere the order follows
@@ -102,7 +103,9 @@ def unordered(elements: Sequence[Element]) -> Iterator[tuple[int, int]]:
             return
         if not flat.all():
             few = np.flatnonzero(flat).tolist()
-            yield from ((few[i], few[j]) for i, j in unordered([elements[n] for n in few]))
+            yield from (
+                (few[i], few[j]) for i, j in unordered([elements[n] for n in few], roundoff)
+            )
             return
     marked = np.zeros(len(elements), bool)
 
@@ -111,7 +114,7 @@ def unordered(elements: Sequence[Element]) -> Iterator[tuple[int, int]]:
         ordered = plain[i] & plain[j] & (ordered | ~(flat[i] & flat[j]))
         return ~(ordered | (passed[i] & passed[j]) | (marked[i] & marked[j]))
 
-    for pair in shared_places(Neighbours(elements), wanted):
+    for pair in shared_places(Neighbours(elements, roundoff), wanted):
         i, j = pair.first, pair.second
         if not (plain[i] and plain[j] and (pair.exact or pair.point)):
             marked[i] = marked[j] = True
@@ -200,7 +203,7 @@ def _round_pairs(near: Neighbours, rounds: _Rounds, wanted: Wanted) -> Iterator[
     """Give the pairs of surfaces of revolution that coincide or touch."""
     centres, radii, axes = rounds.centres, rounds.radii, rounds.axes
     for i, j in face_pairs(near, rounds.begin, rounds.begin, wanted):
-        room = ROUNDING * (rounds.far[i] + rounds.far[j])
+        room = near.rounding * (rounds.far[i] + rounds.far[j])
         apart = np.linalg.norm(centres[j] - centres[i], axis=1)
         sum_, difference = radii[i] + radii[j], np.abs(radii[i] - radii[j])
         balls = ~np.isnan(sum_)
@@ -313,7 +316,7 @@ def _tangent(
 ) -> Iterator[Shared]:
     normals = planes.frames[p, 2]
     height = ((rounds.centres[b] - planes.centres[p]) * normals).sum(axis=1)
-    room = ROUNDING * (planes.far[p] + rounds.far[b])
+    room = near.rounding * (planes.far[p] + rounds.far[b])
     for k in np.flatnonzero(np.abs(np.abs(height) - rounds.radii[b]) <= room).tolist():
         plane, ball = int(p[k]), int(b[k])
         foot = tuple((rounds.centres[ball] - height[k] * normals[k]).tolist())

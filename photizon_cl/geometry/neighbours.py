@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.geometry.tree import build_tree, world_boxes
+from photizon_cl.scene.elements.base import ROUNDOFF
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -22,8 +23,10 @@ _DENSE: Final = 1000
 """Up to this many boxes each is compared with each."""
 _AT_ONCE: Final = 256
 """Boxes sought in the tree at once."""
-_ROOM: Final = 2.0**-40
-"""Distance at which elements count as touching, relative to their farthest coordinate."""
+_ROOM: Final = 2.0**13
+"""Distance at which elements count as touching, in unit roundoffs of their farthest coordinate."""
+_ROUNDING: Final = 2.0**5
+"""What rounding may make of a distance between faces or edges, in the same."""
 
 Pairs = tuple["NDArray[np.int64]", "NDArray[np.int64]"]
 
@@ -35,19 +38,27 @@ class Neighbours:
     ----------
     elements : sequence of Element
         In order.
+    roundoff : float, optional
+        Unit roundoff of the coordinates that the kernels compute in.
 
     Attributes
     ----------
+    rounding : float
+        What rounding may make of a distance between faces or edges, relative to the coordinates.
     boxes : ndarray, shape (n, 6), float64
         Low and high corners in metres.
     rooms : ndarray, shape (n,), float64
         The distance in metres at which something counts as touching each.
     """
 
-    def __init__(self, elements: Sequence[Element]) -> None:
-        self.elements = elements
-        self.boxes = world_boxes(elements, (0.0, 0.0, 0.0)) if elements else np.empty((0, 6))
-        self.rooms = np.asarray(_ROOM * np.abs(self.boxes).max(axis=1, initial=0.0))
+    def __init__(self, elements: Sequence[Element], roundoff: float = ROUNDOFF) -> None:
+        self.elements, self.roundoff = elements, roundoff
+        self.rounding = _ROUNDING * roundoff
+        boxes = np.empty((0, 6))
+        if elements:
+            boxes = world_boxes(elements, (0.0, 0.0, 0.0), roundoff=roundoff)
+        self.boxes = boxes
+        self.rooms = np.asarray(_ROOM * roundoff * np.abs(self.boxes).max(axis=1, initial=0.0))
 
     @cached_property
     def _wide(self) -> NDArray[np.float64]:

@@ -158,7 +158,7 @@ def coplanar(near: Neighbours, faces: PlaneFaces, wanted: Wanted) -> Iterator[tu
     frames, centres, halves, far = faces.frames, faces.centres, faces.halves, faces.far
     size = halves.max(axis=1, initial=0.0)
     for i, j in face_pairs(near, faces.begin, faces.begin, wanted):
-        apart, room = centres[j] - centres[i], ROUNDING * np.maximum(far[i], far[j])
+        apart, room = centres[j] - centres[i], near.rounding * np.maximum(far[i], far[j])
         flush = np.abs(dot(apart, frames[i, 2])) <= room
         # where they meet at an angle it lifts the smaller out of the plane
         cosine = dot(frames[i, 2], frames[j, 2])[:, None]

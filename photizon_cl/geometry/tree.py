@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.scene.elements.base import ROUNDOFF
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -41,7 +43,10 @@ _DEEPEST: Final = (TREE_STACK - 1) // (TREE_WIDTH - 1)
 
 
 def world_boxes(
-    elements: Sequence[Element], shift: Vec3, at_edges: NDArray[np.float64] | None = None
+    elements: Sequence[Element],
+    shift: Vec3,
+    at_edges: NDArray[np.float64] | None = None,
+    roundoff: float = ROUNDOFF,
 ) -> NDArray[np.float64]:
     """Return each element's box in the device's coordinates.
 
@@ -54,6 +59,8 @@ def world_boxes(
     at_edges : ndarray, shape (n,), float64, optional
         Largest factor of the bounds at an element's edges, from
         `photizon_cl.geometry.wedges.edge_factors`; default all 1.
+    roundoff : float, optional
+        Unit roundoff of the coordinates that the kernels compute in.
 
     Returns
     -------
@@ -69,11 +76,15 @@ def world_boxes(
     half = np.einsum("nij,ni->nj", np.abs(frames), 0.5 * (high - low))
     # faces count as hit, or are noted, within some roundings of the positions as given: up to 64
     # times the bounds in `geometry_table` (kernels/lib/flat.mako)
-    far = np.max(np.abs(positions), axis=1, keepdims=True)
-    half += 2.0**-42 * far
+    given = np.max(np.abs(positions), axis=1, keepdims=True)
+    far = given
+    if roundoff != ROUNDOFF:
+        far = np.max(np.abs(centres), axis=1, keepdims=True)
+        far = np.maximum(far, given * (ROUNDOFF / roundoff))
+    half += 2.0**11 * roundoff * far
     if at_edges is not None:
         size = np.max(high - low, axis=1, keepdims=True)
-        half += 2.0**-43 * (far + size) * (at_edges[:, None] - 1.0)
+        half += 2.0**10 * roundoff * (far + size) * (at_edges[:, None] - 1.0)
     return np.concatenate((centres + middle - half, centres + middle + half), axis=1)
 
 

@@ -65,7 +65,7 @@ def edge_factors(near: Neighbours) -> NDArray[np.float64]:
         asked = list(first.values())
         if len(asked) < len(stands_for):
             some = [elements[n] for n in asked]
-            factors[asked] = _factors(Neighbours(some), _Kinds(some))
+            factors[asked] = _factors(Neighbours(some, near.roundoff), _Kinds(some))
         else:
             factors = _factors(near, kinds)
         factors[list(stands_for)] = factors[list(stands_for.values())]

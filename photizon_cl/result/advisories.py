@@ -31,6 +31,7 @@ _MANY: Final = 10**7  # batches that are written with a power of ten
 def run_advisories(result: Estimates) -> list[str]:
     """Return one sentence for each thing that a run's outcome gives reason for."""
     return [
+        *_elsewhere(result),
         *_short(result),
         *_left_behind(result),
         *_unbelievable(result),
@@ -39,6 +40,15 @@ def run_advisories(result: Estimates) -> list[str]:
         *_capped(result),
         *_unlit(result),
     ]
+
+
+def _elsewhere(result: Estimates) -> Iterator[str]:
+    if not result.info.portable:
+        yield (
+            f"in {result.info.precision} this device does not promise the bits of others: its "
+            "single precision rounds quotients and roots, or numbers near 0, in its own way "
+            "(`photizon devices` says which); its errors are as small, its digest is its own"
+        )
 
 
 def _short(result: Estimates) -> Iterator[str]:

@@ -189,7 +189,13 @@ def _pairs(a: Estimates, b: Estimates) -> tuple[int, str]:
     if n < 2:
         return 0, "a single batch has no scatter"
     first = "" if a.batches == b.batches else f", and the first {n} batches"
-    return n, f"both have the seed {one.seed} and {one.rays_per_batch} rays per batch{first}"
+    modes = a.info.precision, b.info.precision
+    apart = ""
+    if modes[0] != modes[1]:  # the same random words, cut to what each computes in
+        apart = (
+            f"; they are in {modes[0]} and {modes[1]}, whose draws are the same but for rounding"
+        )
+    return n, f"both have the seed {one.seed} and {one.rays_per_batch} rays per batch{first}{apart}"
 
 
 def _of(quantity: Estimate, batches: int, both: _Pair | None, which: int) -> Estimate:

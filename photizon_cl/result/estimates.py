@@ -54,7 +54,7 @@ class RunInfo:
     device : str
         Label of the device; with an executor, that of the last worker heard.
     precision : str
-        ``fp64``.
+        What the kernels computed in: ``fp64``, ``mixed`` or ``fp32``.
     interactions : int
         Surface interactions of the batches in the result. Where the last wave made more batches
         than the goal needed, its share by number of batches.
@@ -79,6 +79,8 @@ class RunInfo:
         What a pilot found, traced where power reached the generation cap; None where none was.
     forecast : Forecast or None
         How long the run would take, told from its first batches; None where it ended with them.
+    portable : bool
+        Whether every device that was used promises these bits, as all do in double precision.
     """
 
     device: str = ""
@@ -92,6 +94,7 @@ class RunInfo:
     stopped: str = ""
     pilot: Pilot | None = None
     forecast: Forecast | None = None
+    portable: bool = True
     version: str = __version__
     engine: str = field(default_factory=engine_digest)
 
@@ -128,6 +131,11 @@ class Estimates:
     def rays(self) -> int:
         """Rays launched."""
         return self.tally.batches * self.scene.run.rays_per_batch
+
+    @property
+    def stream(self) -> tuple[str, str]:
+        """What fixes the bits of every batch, but the engine: the scene's digest, and the mode."""
+        return self.scene.digest(), self.info.precision
 
     @property
     def tally_digest(self) -> str:
@@ -353,7 +361,7 @@ class Estimates:
     @cached_property
     def advisories(self) -> tuple[str, ...]:
         """What deserves a second look: of the run, then of the scene."""
-        return (*run_advisories(self), *advisories(self.scene))
+        return (*run_advisories(self), *advisories(self.scene, self.info.precision))
 
     def summary(self) -> dict[str, Any]:
         """Return the summary as plain values that JSON can hold.

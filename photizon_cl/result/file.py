@@ -25,7 +25,13 @@ from photizon_cl.errors import ResultError, printable, show
 from photizon_cl.result.arrays import dataset
 from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates
 from photizon_cl.result.sealing import deaf_libraries_end, seal, sealed
-from photizon_cl.result.soundness import check_shapes, check_tally, integer, read_info
+from photizon_cl.result.soundness import (
+    check_shapes,
+    check_tally,
+    integer,
+    read_info,
+    read_precision,
+)
 from photizon_cl.result.statistics import Accumulator, AccumulatorState
 from photizon_cl.scene.files import load, parse_toml
 from photizon_cl.scene.writing import to_toml
@@ -42,8 +48,8 @@ if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
 
 __all__ = [
-    "read_engine",
     "read_file",
+    "read_made_by",
     "read_scene",
     "read_scene_text",
     "write_arrays",
@@ -136,6 +142,8 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
     if state.batch_values is not None:
         about = {"long_name": "scalars of each batch, in launched weights"}
         made["batch_values"] = (("batch", "scalar"), state.batch_values, about)
+    if not info.portable:
+        made.attrs["portable"] = "no"
     if info.pilot is not None:
         made.attrs["pilot"] = info.pilot.text()
     if info.forecast is not None:
@@ -192,10 +200,11 @@ def read_scene_text(file: Path) -> str:
         return _scene_text(opened, file)
 
 
-def read_engine(file: Path) -> str:
-    """Return which engine made the batches of a file, empty where it is not known."""
+def read_made_by(file: Path) -> tuple[str, str]:
+    """Return which engine made the batches of a file, empty where it is not known, and the mode."""
     with _damage_told(file), _opened(file) as opened:
-        return str(opened[_GROUP].attrs.get("engine", ""))
+        attrs = opened[_GROUP].attrs
+        return str(attrs.get("engine", "")), str(attrs["precision"])
 
 
 @contextmanager
@@ -259,7 +268,7 @@ def _read(path: Path) -> Estimates:
         scene = _scene(text)
         group = file[_GROUP]
         attrs = dict(group.attrs)
-        compiled = _compiled(path, scene, _tallied(attrs))
+        compiled = _compiled(path, scene, _tallied(attrs), read_precision(attrs))
         check_shapes(group.variables, compiled.layout, path.stat().st_size)
         arrays = {str(name): np.asarray(group[name][...]) for name in group.variables}
     _check_sum(arrays, attrs, text)
@@ -292,13 +301,13 @@ def _check_sum(arrays: Mapping[str, NDArray[Any]], attrs: Mapping[str, Any], sce
         raise ValueError("its checksum does not fit")
 
 
-def _compiled(file: Path, scene: Scene, tallied: set[str]) -> CompiledScene:
+def _compiled(file: Path, scene: Scene, tallied: set[str], precision: str) -> CompiledScene:
     """Return a file's scene with the labelled cells that the file has.
 
     An effect that came into the table after the file was written has none there.
     """
     known = frozenset(effect.name for effect in EFFECTS if effect.name in tallied)
-    compiled = compile_scene(scene, scene.run, known)
+    compiled = compile_scene(scene, scene.run, known, precision=precision)
     having = {group.effect for group in compiled.layout.labelled}
     gone = sorted(tallied - having)
     if gone:
@@ -308,4 +317,6 @@ def _compiled(file: Path, scene: Scene, tallied: set[str]) -> CompiledScene:
             "again"
         )
     newer = frozenset(having - tallied)
-    return compile_scene(scene, scene.run, known, newer) if newer else compiled
+    if not newer:
+        return compiled
+    return compile_scene(scene, scene.run, known, newer, precision)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final, Self
 
+from hostcode.program.precision import FP64
 from hostcode.run.tally import UNIT_EXPONENT, exact, some_of, whole_of
 from photizon_cl.compile.layout import ROWS
 from photizon_cl.errors import RunError
@@ -28,10 +29,13 @@ if TYPE_CHECKING:
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.result.statistics import Accumulator
 
-__all__ = ["CLOSURE_LIMIT", "Estimate", "Ledger", "Roulette", "check_batch"]
+__all__ = ["CLOSURE_LIMIT", "Estimate", "Ledger", "Roulette", "check_batch", "closure_limit"]
 
 CLOSURE_LIMIT: Final = Fraction(1, 10**12)
-"""Part of the emitted power that a batch's ledger may miss by; more is a defect of the engine."""
+"""Part of the emitted power that a batch's ledger may miss by; more is a defect of the engine.
+
+What a split loses is the rounding of the weights: with weights in single precision the limit is as
+many of their roundings."""
 
 _UNIT: Final = Fraction(1, 1 << -UNIT_EXPONENT)
 _DEFECT: Final = "this is a defect of the engine; please report it with the scene file"
@@ -283,6 +287,12 @@ def closure_of(compiled: CompiledScene, cells: NDArray[np.int64] | SparseTally) 
     return abs(compiled.emitted - _accounted(layout, absorbed, others))
 
 
+def closure_limit(compiled: CompiledScene) -> Fraction:
+    """Return the part of the emitted power that a batch's ledger may miss by."""
+    coarser = compiled.precision.weight_roundoff / FP64.weight_roundoff
+    return CLOSURE_LIMIT * Fraction(coarser)
+
+
 def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64] | SparseTally) -> int:
     """Check a batch's ledger and return |closure| in units of 2^-95 launched weights.
 
@@ -298,16 +308,17 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64] | 
     Raises
     ------
     RunError
-        Where the ledger does not close to 1e-12 of the emitted power, the far field's total is not
-        exactly what escaped, or a detector shows more than its element absorbed.
+        Where the ledger does not close to `closure_limit`, the far field's total is not exactly
+        what escaped, or a detector shows more than its element absorbed.
     """
     layout = compiled.layout
     closure = closure_of(compiled, cells)
-    if closure > CLOSURE_LIMIT * compiled.emitted:
+    limit = closure_limit(compiled)
+    if closure > limit * compiled.emitted:
         part = float(Fraction(closure, compiled.emitted))
         raise RunError(
-            f"batch {batch}: the ledger misses {part:.3e} of the emitted power (at most 1e-12 is "
-            f"rounding): {_DEFECT}"
+            f"batch {batch}: the ledger misses {part:.3e} of the emitted power (at most "
+            f"{float(limit):.0e} is rounding): {_DEFECT}"
         )
     n_bins = layout.n_mu * layout.n_phi
     if n_bins:

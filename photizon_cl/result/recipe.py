@@ -17,6 +17,7 @@ import zlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Self
 
+from hostcode.program.precision import PRECISIONS
 from photizon_cl.errors import RecipeError, RunError, SceneError, show
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.scene.files import load
@@ -49,7 +50,7 @@ class RecipeText:
     batches : int
         Batches in all.
     precision : str
-        ``fp64``.
+        ``fp64``, ``mixed`` or ``fp32``.
     tally_digest : str
         What the run must give.
     version, engine : str
@@ -113,6 +114,8 @@ class RecipeText:
                 raise ValueError(f"batches {show(batches)}")
             if not (isinstance(tally, str) and re.fullmatch("[0-9a-f]{64}", tally)):
                 raise ValueError(f"tally {show(tally)}")
+            if content["precision"] not in PRECISIONS:
+                raise ValueError(f"precision {show(content['precision'])}")
             made = cls(
                 scene, batches, str(content["precision"]), f"sha256:{tally}",
                 str(content["version"]), str(content["engine"]),
@@ -145,6 +148,10 @@ class RecipeText:
             return found + (
                 "the engine is the same, but it was made by photizon_cl "
                 f"{_clean(self.version)} and this is {__version__}; install that one for its bits"
+            )
+        if not result.info.portable:
+            return found + (
+                f"this device does not promise the bits of {self.precision}, see `photizon devices`"
             )
         return found + (
             "version and engine are the same, so one of the two devices computes wrongly: "

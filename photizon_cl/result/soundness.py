@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from hostcode.program.precision import PRECISIONS
 from hostcode.run.tally import UNIT_EXPONENT
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER
 from photizon_cl.result.batch_values import MOST_VALUES
 from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.forecast import Forecast
-from photizon_cl.result.ledger import CLOSURE_LIMIT
+from photizon_cl.result.ledger import closure_limit
 from photizon_cl.result.pilot import Pilot
 from photizon_cl.result.stopping import Goal
 from photizon_cl.result.sums import totals_of
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.statistics import Accumulator, AccumulatorState
     from photizon_cl.scene.settings import RunSettings
 
-__all__ = ["check_shapes", "check_tally", "integer", "read_info"]
+__all__ = ["check_shapes", "check_tally", "integer", "read_info", "read_precision"]
 
 _PACKED: Final = 1100
 """Bytes that a byte of a file may stand for: zlib packs 1032 into one at most."""
@@ -196,6 +197,20 @@ def _history(
     return tuple(rows)
 
 
+def read_precision(attrs: Mapping[str, Any]) -> str:
+    """Return the mode of a result, from the attributes of its group.
+
+    Raises
+    ------
+    ValueError, KeyError
+        Where it is missing or unknown.
+    """
+    precision = _text(attrs, "precision")
+    if precision not in PRECISIONS:
+        raise ValueError("it was run in a way that this version does not know")
+    return precision
+
+
 def read_info(
     attrs: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], settings: RunSettings
 ) -> RunInfo:
@@ -213,13 +228,14 @@ def read_info(
     ValueError, KeyError
         Where something is missing or cannot be.
     """
-    precision, stopped = _text(attrs, "precision"), _text(attrs, "stopped", "")
-    if precision != "fp64" or stopped not in _STOPPED:
+    precision, stopped = read_precision(attrs), _text(attrs, "stopped", "")
+    if stopped not in _STOPPED:
         raise ValueError("it was run in a way that this version does not know")
     pilot = Pilot.read(attrs["pilot"], settings.generation_cap) if "pilot" in attrs else None
     return RunInfo(
         device=_text(attrs, "device"),
         precision=precision,
+        portable=_text(attrs, "portable", "yes") == "yes",
         stopped=stopped,
         version=_text(attrs, "version", ""),
         engine=_text(attrs, "engine", ""),
@@ -258,7 +274,8 @@ def check_tally(
     layout, batches = compiled.layout, tally.batches
     if batches * compiled.settings.rays_per_batch > MAX_RAY_NUMBER:
         raise ValueError(f"it has {batches} batches, more than there are")
-    if info.worst_closure > CLOSURE_LIMIT * compiled.emitted:
+    limit = closure_limit(compiled)
+    if info.worst_closure > limit * compiled.emitted:
         raise ValueError("a batch of it does not close")
     n = len(state.count)
     _agree(tally)
@@ -267,7 +284,7 @@ def check_tally(
             raise ValueError("it has totals and no batches")
         return
     # a row may miss zero by the rounding of splits, as the ledger may miss what was emitted
-    least = -float(CLOSURE_LIMIT * compiled.emitted) * 2.0**UNIT_EXPONENT
+    least = -float(limit * compiled.emitted) * 2.0**UNIT_EXPONENT
     for first in range(0, n, _BLOCK):
         part = slice(first, first + _BLOCK)
         limbs, mean = state.limbs[part], state.mean[:n][part]
@@ -289,5 +306,5 @@ def check_tally(
     totals = [tally.exact(cell) for cell in range(layout.n_rows)]
     signs = [1] * layout.n_elements + [row.sign for row in layout.rows]
     missed = batches * compiled.emitted - sum(s * t for s, t in zip(signs, totals, strict=True))
-    if abs(missed) > CLOSURE_LIMIT * batches * compiled.emitted:
+    if abs(missed) > limit * batches * compiled.emitted:
         raise ValueError("its ledger does not close")

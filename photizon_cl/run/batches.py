@@ -219,7 +219,7 @@ def _add_batches(
     last = MAX_RAY_NUMBER // compiled.settings.rays_per_batch
     last = last if goal.batches is None else min(last, goal.batches)
     worst, interactions, label, build = info.worst_closure, 0, info.device, 0.0
-    full = ""
+    full, portable = "", info.portable
     history = History(info.history, info.seconds)
     outlook = Outlook(goal, info.seconds, tally.batches, info.forecast)
 
@@ -234,6 +234,7 @@ def _add_batches(
             history=history.rows,
             stopped=stopped,
             forecast=outlook.kept,
+            portable=portable,
         )
 
     chunks = runner.chunks(tally.batches, last, clock.batches_in_time)
@@ -254,6 +255,7 @@ def _add_batches(
                     if done:
                         break  # what was computed beyond is dropped: the goal fixes the bits
                 label, build = chunk.device, max(build, chunk.build_seconds)
+                portable = portable and chunk.portable
                 clock.note(tally.batches)
                 history.note(compiled.layout, tally, clock.elapsed())
                 if not done:

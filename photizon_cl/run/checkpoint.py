@@ -19,7 +19,6 @@ from photizon_cl.errors import ArgumentError, ResultError, RunError, RunWarning,
 from photizon_cl.result.file import write_state
 from photizon_cl.run.directory import ARRAYS, CHECKPOINT, check_there, read, steady, unfinished
 from photizon_cl.run.target import check_target, claim
-from photizon_cl.scene.model import same_stream
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -142,4 +141,4 @@ def _latest(folder: Path) -> Estimates:
     if left is None:
         return whole
     # the same run begun anew over its own result: nothing that is there is lost
-    return whole if same_stream(whole.scene, left.scene) and whole.batches > left.batches else left
+    return whole if whole.stream == left.stream and whole.batches > left.batches else left

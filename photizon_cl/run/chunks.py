@@ -77,6 +77,8 @@ class Chunk:
         Label of the device.
     build_seconds : float
         Time that the device's compiler took for the program.
+    portable : bool
+        Whether the device promises these bits, see `DeviceRecord.promises`.
     seal : Seal or None
         None where it did not leave the process.
     """
@@ -85,6 +87,7 @@ class Chunk:
     cells: tuple[NDArray[np.int64] | SparseTally, ...]
     device: str
     build_seconds: float
+    portable: bool = True
     seal: Seal | None = None
 
 
@@ -129,8 +132,9 @@ def numbers(first: int, n: int) -> str:
 
 
 def tables_digest(tables: DeviceTables) -> str:
-    """Return a digest of what a scene's tables hold; the program follows from scene and engine."""
-    total = hashlib.sha256(repr((sorted(tables.launch.items()), tables.n_cells)).encode())
+    """Return a digest of what a scene's tables hold; scene, engine and mode fix the program."""
+    modes = tables.spec.real, tables.spec.weight
+    total = hashlib.sha256(repr((sorted(tables.launch.items()), tables.n_cells, modes)).encode())
     for name in ("geometry", "materials", "sources", "codes", "detector_numbers", "edges"):
         array = np.ascontiguousarray(getattr(tables, name))
         total.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())
@@ -139,7 +143,9 @@ def tables_digest(tables: DeviceTables) -> str:
 
 def _checksum(chunk: Chunk, seal: Seal) -> str:
     told = replace(seal, checksum="")
-    total = hashlib.sha256(repr((told, chunk.device, chunk.build_seconds.hex())).encode())
+    total = hashlib.sha256(
+        repr((told, chunk.device, chunk.build_seconds.hex(), chunk.portable)).encode()
+    )
     for cells in chunk.cells:
         arrays = (cells.numbers, cells.rows) if isinstance(cells, SparseTally) else (cells,)
         for array in arrays:
@@ -209,7 +215,8 @@ def _checked(chunk: Chunk, task: Task) -> Chunk:
         raise RefusedError(f"does not hold {task.n} tallies")
     if not all(_is_tally(tally, task.tables.n_cells) for tally in cells):
         raise RefusedError("holds something that is no tally of the scene")
-    if type(chunk.device) is not str or type(chunk.build_seconds) is not float:
+    told = type(chunk.device), type(chunk.build_seconds), type(chunk.portable)
+    if told != (str, float, bool):
         raise RefusedError("does not say where it was computed")
     label = chunk.device
     if (

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 from photizon_cl.atomic import in_any_locale, reason, replacing
 from photizon_cl.errors import ResultError, RunWarning, show
 from photizon_cl.result.engine import engine_digest
-from photizon_cl.result.file import read_engine, read_file, read_scene, write_arrays
+from photizon_cl.result.file import read_file, read_made_by, read_scene, write_arrays
 from photizon_cl.run.memory import check_room
 from photizon_cl.run.ours import (
     ARRAYS,
@@ -101,7 +101,7 @@ def _figures(result: Estimates) -> list[str]:
 def _check_unfinished(folder: Path, result: Estimates) -> None:
     """Refuse to lose the batches of a run that was killed."""
     left = read_file(folder / CHECKPOINT)
-    own = same_stream(left.scene, result.scene) and left.batches <= result.batches
+    own = left.stream == result.stream and left.batches <= result.batches
     if left.batches and not own:
         raise ResultError(
             f"{show(str(folder))} holds an unfinished run of {left.scene.name!r} with "
@@ -113,7 +113,7 @@ def _check_unfinished(folder: Path, result: Estimates) -> None:
 def _check_longer(folder: Path, old: Estimates, result: Estimates) -> None:
     """Refuse to lose batches of the very stream that is written."""
     # another engine's batches of the stream may have other bits: the new ones may replace them
-    same = same_stream(old.scene, result.scene) and old.info.engine == result.info.engine
+    same = old.stream == result.stream and old.info.engine == result.info.engine
     if same and old.batches > result.batches:
         # what is kept holds the batches of this run's checkpoint too: nothing is left unfinished
         (folder / CHECKPOINT).unlink(missing_ok=True)
@@ -123,7 +123,7 @@ def _check_longer(folder: Path, old: Estimates, result: Estimates) -> None:
         )
 
 
-def what_is_lost(path: str | os.PathLike[str], scene: Scene) -> str:
+def what_is_lost(path: str | os.PathLike[str], scene: Scene, precision: str) -> str:
     """Return which other run's finished result a directory holds, empty where it holds none.
 
     Parameters
@@ -132,6 +132,8 @@ def what_is_lost(path: str | os.PathLike[str], scene: Scene) -> str:
         The directory; it need not be there.
     scene : Scene
         What will be run, as run.
+    precision : str
+        In which mode.
 
     Raises
     ------
@@ -144,15 +146,20 @@ def what_is_lost(path: str | os.PathLike[str], scene: Scene) -> str:
             return ""
     except (OSError, ValueError):  # what is wrong with the path, `check_target` tells
         return ""
-    there, engine = steady(
-        folder, lambda: (read_scene(folder / ARRAYS), read_engine(folder / ARRAYS))
+    there, (engine, mode) = steady(
+        folder, lambda: (read_scene(folder / ARRAYS), read_made_by(folder / ARRAYS))
     )
-    return _other(there, engine, scene)
+    return _other(there, engine, scene, "" if mode == precision else mode)
 
 
-def _other(there: Scene, engine: str, scene: Scene) -> str:
-    """Return what a result is that is none of a scene by this engine, empty where it is one."""
+def _other(there: Scene, engine: str, scene: Scene, mode: str) -> str:
+    """Return what a result is that is none of a scene by this engine, empty where it is one.
+
+    `mode` is its precision, where that is another one.
+    """
     if same_stream(there, scene):
+        if mode:
+            return f"{there.name!r} in {mode}"
         alike = engine in ("", engine_digest())
         return "" if alike else f"{there.name!r} by another version of the engine"
     found, mine = (f"{s.name!r} with seed {s.run.seed}" for s in (there, scene))
@@ -179,7 +186,8 @@ def save(
         stale: set[str] = set()
         old = check_there(folder, result)
         if old is not None:
-            lost = "" if replace else _other(old.scene, old.info.engine, result.scene)
+            mode = "" if old.info.precision == result.info.precision else old.info.precision
+            lost = "" if replace else _other(old.scene, old.info.engine, result.scene, mode)
             if lost:
                 raise ResultError(
                     f"{show(str(folder))} holds the result of {lost}, and is kept: give another "
@@ -317,7 +325,7 @@ def _open_directory(path: str | os.PathLike[str]) -> Estimates:
     check_room(left, show(str(given)))
     if (given / ARRAYS).is_file():
         found = read(given)
-        if same_stream(found.scene, left.scene):
+        if found.stream == left.stream:
             return left if left.batches > found.batches else found
         raise ResultError(
             f"{show(str(given))} holds a result of {found.scene.name!r} and an unfinished run of "

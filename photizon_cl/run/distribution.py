@@ -280,7 +280,8 @@ def compute(engine: Engine, first: int, n: int) -> Chunk:
     RunError
         Where the device fails.
     """
-    label = engine.device.record.label
-    with device_failures(label):
+    record = engine.device.record
+    with device_failures(record.label):
         cells = tuple(tally.cells for tally in engine.run(first, n))
-    return Chunk(first, cells, label, engine.build_seconds)
+    portable = record.promises(engine.tables.spec.real)
+    return Chunk(first, cells, record.label, engine.build_seconds, portable)

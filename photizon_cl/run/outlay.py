@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from hostcode.errors import Abandoned
 from hostcode.run.usual import usual_plan
+from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.needed import batches_needed
 from photizon_cl.result.outlay import Outlay
@@ -34,7 +35,9 @@ _PACE: Final = 0.2
 _SIDES: Final = 2.0
 
 
-def outlay(scene: Scene, device: DeviceRecord | str | None = None) -> Outlay | None:
+def outlay(
+    scene: Scene, device: DeviceRecord | str | None = None, *, precision: str = DEFAULT
+) -> Outlay | None:
     """Tell how long a scene's run takes to its target.
 
     The program is that of the run, so that one which follows need not build it.
@@ -44,6 +47,7 @@ def outlay(scene: Scene, device: DeviceRecord | str | None = None) -> Outlay | N
     scene : Scene
         With the target in its ``[run]``.
     device : DeviceRecord or str, optional
+    precision : str, optional
         As in `photizon_cl.trace`.
 
     Returns
@@ -59,7 +63,9 @@ def outlay(scene: Scene, device: DeviceRecord | str | None = None) -> Outlay | N
     """
     run = scene.run
     rays = max(min(_RAYS, run.rays_per_batch), len(scene.source))
-    compiled = compile_scene(scene, dataclasses.replace(run, rays_per_batch=rays))
+    compiled = compile_scene(
+        scene, dataclasses.replace(run, rays_per_batch=rays), precision=precision
+    )
     if compiled.layout.n_cells > _MOST_CELLS:
         return None
     record = open_chosen(device).record

@@ -11,6 +11,7 @@ import numpy as np
 
 from hostcode.run.paths import trace_paths
 from hostcode.run.tally import values, whole_of
+from photizon_cl.checks.precision import DEFAULT, fitting_mode
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ArgumentError, SceneError, show
 from photizon_cl.result.paths import ENDINGS, Paths
@@ -42,6 +43,7 @@ def paths(
     max_segments: int = 4096,
     escape_length: float | None = None,
     device: DeviceRecord | str | int | None = None,
+    precision: str = DEFAULT,
 ) -> Paths:
     """Follow a few rays through a scene and return every segment of their paths.
 
@@ -65,6 +67,8 @@ def paths(
         Metres that an escaping segment is drawn; default half the size of the scene.
     device : str, int or DeviceRecord, optional
         As in `photizon_cl.trace`.
+    precision : str, optional
+        As in `photizon_cl.trace`.
 
     Returns
     -------
@@ -85,7 +89,7 @@ def paths(
     length = _size(as_run) / 2.0 if escape_length is None else escape_length
     if not (isinstance(length, int | float) and 0.0 < length < math.inf):
         raise ArgumentError(f"escape_length: found {show(length)}, expected a positive length in m")
-    compiled = compile_scene(as_run, as_run.run)
+    compiled = compile_scene(as_run, as_run.run, precision=fitting_mode(precision, as_run).name)
     opened = open_chosen(str(device) if isinstance(device, int) else device)
     with device_failures(opened.record.label):
         raw = trace_paths(opened, compiled.tables, most)

@@ -11,6 +11,7 @@ from hostcode.errors import Abandoned, HostError
 from hostcode.run.tally import exact, whole_of
 from hostcode.run.usual import usual_plan
 from hostcode.run.wavefront import Engine
+from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.rays import LEAST_WEIGHT, ray_weights, share_rays
 from photizon_cl.errors import PhotizonError
@@ -50,6 +51,7 @@ def pilot(
     plan: ExecutionPlan | None = None,
     *,
     stop: Callable[[], bool] = lambda: False,
+    precision: str = DEFAULT,
 ) -> Pilot:
     """Trace a pilot.
 
@@ -65,6 +67,8 @@ def pilot(
         How; changes nothing of what is found.
     stop : callable, optional
         Asked now and then: whether to give up.
+    precision : str, optional
+        As in `photizon_cl.trace`.
 
     Raises
     ------
@@ -74,7 +78,7 @@ def pilot(
     cap = scene.run.generation_cap
     rays = max(_RAYS, len(scene.source))
     settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
-    flight = _Flight(_compiled(without_bins(scene), settings), device, plan, stop)
+    flight = _Flight(_compiled(without_bins(scene), settings, precision), device, plan, stop)
     left: list[tuple[int, float]] = []
     missed = interactions = 0.0
     complete = False
@@ -112,13 +116,13 @@ def pilot_of_capped(
     if tally.exact(compiled.layout.depth_capped) <= NEGLIGIBLE * emitted:
         return None
     try:
-        found = pilot(compiled.scene, device, plan, stop=stop)
+        found = pilot(compiled.scene, device, plan, stop=stop, precision=compiled.precision.name)
     except (PhotizonError, HostError, MemoryError):
         return None
     return found if found.complete or not stop() else None
 
 
-def _compiled(scene: Scene, settings: RunSettings) -> CompiledScene:
+def _compiled(scene: Scene, settings: RunSettings, precision: str) -> CompiledScene:
     """Compile a scene for a pilot's few rays.
 
     Where a source has one ray of a few hundred and one of the run's many, that ray may be too weak
@@ -139,7 +143,7 @@ def _compiled(scene: Scene, settings: RunSettings) -> CompiledScene:
             for source, weight, n in zip(scene.source, weights, rays, strict=True)
         )
         scene = dataclasses.replace(scene, source=sources)
-    return compile_scene(scene, settings)
+    return compile_scene(scene, settings, precision=precision)
 
 
 class _Flight:

@@ -9,6 +9,7 @@ import numpy as np
 
 from hostcode.device.device import DeviceRecord, preferred_lanes
 from hostcode.run.probe import element_of, face_of, probe_faces
+from photizon_cl.checks.precision import DEFAULT, fitting_mode
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import ArgumentError
 from photizon_cl.run.distribution import device_failures, open_chosen
@@ -58,6 +59,7 @@ def probe(
     device: DeviceRecord | str | int | None = None,
     *,
     lanes: int | None = None,
+    precision: str = DEFAULT,
 ) -> ProbeResult:
     """Return what rays hit first, by the very kernels of the trace.
 
@@ -77,6 +79,8 @@ def probe(
         As in `photizon_cl.trace`.
     lanes : int, optional
         Lane width 1, 2, 4, 8 or 16; default the device's. Changes no bit.
+    precision : str, optional
+        As in `photizon_cl.trace`; origins and directions are rounded to what it computes in.
 
     Returns
     -------
@@ -99,7 +103,8 @@ def probe(
         )
     if lanes is not None and lanes not in (1, 2, 4, 8, 16):
         raise ArgumentError(f"lanes: found {lanes!r}, expected 1, 2, 4, 8 or 16")
-    compiled = compile_scene(scene, scene.run)
+    fitting_mode(precision, scene)
+    compiled = compile_scene(scene, scene.run, precision=precision)
     opened = open_chosen(str(device) if isinstance(device, int) else device)
     shift = np.array(compiled.shift)
     rays = np.hstack([start - shift, along])

@@ -30,7 +30,7 @@ class Recipe(RecipeText):
     batches : int
         Batches in all.
     precision : str
-        ``fp64``.
+        ``fp64``, ``mixed`` or ``fp32``.
     tally_digest : str
         What the run must give.
     version, engine : str

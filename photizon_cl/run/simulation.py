@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
+from photizon_cl.checks.precision import fitting_mode
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.errors import ArgumentError, show
+from photizon_cl.errors import ArgumentError
 from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.statistics import Accumulator
 from photizon_cl.run.batches import go_on, goal_of, refine, with_settings
@@ -23,10 +24,7 @@ if TYPE_CHECKING:
     from photizon_cl.run.progress import Progress
     from photizon_cl.scene.model import Scene
 
-__all__ = ["PRECISIONS", "resume", "trace"]
-
-PRECISIONS: Final = ("fp64",)
-"""Precisions that a trace can have."""
+__all__ = ["resume", "trace"]
 
 
 def trace(
@@ -73,7 +71,8 @@ def trace(
     device : str, int or DeviceRecord, optional
         As ``photizon devices`` lists it; default ``PHOTIZON_DEVICE``, else the best.
     precision : str, optional
-        ``"fp64"``.
+        ``"fp64"``; ``"mixed"``, geometry in single precision and weights in double; or ``"fp32"``,
+        single precision throughout. The random stream is the same, and sums are exact in each.
     progress : callable, optional
         Given a `Progress` after each wave.
     executor : concurrent.futures.Executor, optional
@@ -95,7 +94,7 @@ def trace(
     Raises
     ------
     SceneError, ArgumentError
-        Where the scene or an argument is not valid.
+        Where the scene or an argument is not valid, or the precision cannot carry the scene.
     ResultError
         Where `checkpoint` cannot be used, or holds another unfinished run.
     RunError
@@ -106,12 +105,6 @@ def trace(
     RunWarning
         Where an executor or a checkpoint fails and the run goes on all the same.
     """
-    if precision not in PRECISIONS:
-        raise ArgumentError(
-            f"precision: found {show(precision)}, expected one of "
-            f"{', '.join(map(show, PRECISIONS))} (results are exact integer tallies of doubles; "
-            "nothing else is available in this version)"
-        )
     as_run = with_settings(
         load(scene),
         seed=seed,
@@ -120,13 +113,14 @@ def trace(
         max_seconds=max_seconds,
         rays_per_batch=rays_per_batch,
     )
+    fitting_mode(precision, as_run)
     goal = goal_of(as_run, batches, target, max_seconds)
     if as_run.run.rays_per_batch < len(as_run.source):
         raise ArgumentError(
             f"rays_per_batch: found {as_run.run.rays_per_batch}, expected at least "
             f"{len(as_run.source)}, one for each source"
         )
-    compiled = compile_scene(as_run, as_run.run)
+    compiled = compile_scene(as_run, as_run.run, precision=precision)
     tally = Accumulator.of(compiled.layout)
     start = Result(compiled, tally, RunInfo(precision=precision, goal=goal))
     return go_on(start, goal, device, progress, executor, plan, checkpoint)

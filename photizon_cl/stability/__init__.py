@@ -21,11 +21,13 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments", "main", "run", "stability_report"]
 
 
-def stability_report(device: OpenDevice, only: Sequence[str] = ()) -> list[Row]:
+def stability_report(
+    device: OpenDevice, only: Sequence[str] = (), precision: str = "fp64"
+) -> list[Row]:
     """Measure the families, see `photizon_cl.stability.report.stability_report`."""
     from photizon_cl.stability.report import stability_report
 
-    return stability_report(device, only)
+    return stability_report(device, only, precision)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,6 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--device", metavar="D", help="number, type or part of a name")
     parser.add_argument(
         "--family", action="append", default=[], metavar="F", help="only this family; repeatable"
+    )
+    parser.add_argument(
+        "--precision", metavar="P", default="fp64", help="fp64 (the default), mixed or fp32"
     )
     parser.add_argument(
         "--figure", metavar="FILE", help="draw every case's error into FILE (.png, .svg, .pdf)"
@@ -49,11 +54,13 @@ def run(arguments: argparse.Namespace) -> int:
     RunError
         Where there is no usable device, or mpmath is not installed.
     """
+    from photizon_cl.checks.precision import mode_of
     from photizon_cl.errors import ArgumentError
     from photizon_cl.run.distribution import open_chosen
     from photizon_cl.stability.digits import load_digits
     from photizon_cl.stability.report import FAMILIES, table, write_figure
 
+    mode_of(arguments.precision)
     load_digits()
     known = (*FAMILIES, "fresnel")
     for name in arguments.family:
@@ -63,8 +70,9 @@ def run(arguments: argparse.Namespace) -> int:
         from photizon_cl.views.figures.style import check_figure
 
         check_figure(Path(arguments.figure))  # before the minutes that it takes
-    rows = stability_report(open_chosen(arguments.device), arguments.family)
-    print(table(rows))
+    device = open_chosen(arguments.device)
+    rows = stability_report(device, arguments.family, arguments.precision)
+    print(table(rows, arguments.precision))
     if arguments.figure:
         write_figure(rows, arguments.figure)
         print(f"figure: {arguments.figure}")

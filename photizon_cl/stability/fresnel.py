@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import random
 from dataclasses import dataclass
@@ -9,12 +10,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from hostcode.program.precision import FP64, PRECISIONS
 from hostcode.run.probe import follow_rays
 from photizon_cl.scene.elements.rectangle import Rectangle
 from photizon_cl.scene.surfaces.fresnel import Fresnel
 from photizon_cl.stability.digits import (
     DIGITS,
-    UNIT,
     Vector,
     add,
     load_digits,
@@ -24,6 +25,7 @@ from photizon_cl.stability.digits import (
 )
 from photizon_cl.stability.measure import Measured, compile_elements
 from photizon_cl.stability.oracle import FIRM
+from photizon_cl.stability.rounding import single
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -117,7 +119,7 @@ def _exact(x: Vector) -> tuple[Any, Any, Any, Vector, Vector]:
     return square, reflectance, 1 - reflectance, reflected, refracted
 
 
-def _compare(case: FresnelCase, outcome: dict[str, Any]) -> Measured:
+def _compare(case: FresnelCase, outcome: dict[str, Any], unit: float) -> Measured:
     mp = load_digits()
     pair = (case.outside, case.inside) if case.direction[2] < 0 else (case.inside, case.outside)
     x = [*vector(pair), *vector(case.direction)]
@@ -131,12 +133,12 @@ def _compare(case: FresnelCase, outcome: dict[str, Any]) -> Measured:
         moved[i] = value + step
         square_, r_, _, reflected_, refracted_ = _exact(moved)
         # one moved input changes it by this for a relative step of 1
-        unit = abs(value) / step
-        k_square += abs(square_ - square) * unit
-        k_r += abs(r_ - r) * unit
-        k_d += norm(add(reflected_, -1, reflected)) * unit
-        k_f += norm(add(refracted_, -1, refracted)) * unit
-    firm = bool(abs(square) > FIRM * UNIT * k_square)
+        size = abs(value) / step
+        k_square += abs(square_ - square) * size
+        k_r += abs(r_ - r) * size
+        k_d += norm(add(reflected_, -1, reflected)) * size
+        k_f += norm(add(refracted_, -1, refracted)) * size
+    firm = bool(abs(square) > FIRM * unit * k_square)
     total = outcome["transmitted"] is None
     if total != bool(square <= 0) and not (r == 1 or r == 0):
         note = "" if not firm else f"total reflection {total}, cos² = {float(square):g}"
@@ -145,7 +147,7 @@ def _compare(case: FresnelCase, outcome: dict[str, Any]) -> Measured:
         return Measured(case.label, firm, True)
 
     def ulps(error: Any, k: Any) -> float:
-        return float(error / (UNIT * k)) if k else float(error > 0)
+        return float(error / (unit * k)) if k else float(error > 0)
 
     mpf = mp.mpf
     errors = {"R": ulps(abs(mpf(float(outcome["R"])) - r), k_r)}
@@ -158,12 +160,14 @@ def _compare(case: FresnelCase, outcome: dict[str, Any]) -> Measured:
     nan = any(math.isnan(e) for e in errors.values())
     relative = float(max(k_r / r if r > mpf(10) ** -50 else mpf(1), k_f))
     off = abs(mpf(float(outcome["R"])) - r)
-    forward = float(off / (UNIT * r)) if r > mpf(10) ** -50 else 0.0
+    forward = float(off / (unit * r)) if r > mpf(10) ** -50 else 0.0
     return Measured(case.label, firm, not nan, errors, relative, "NaN" if nan else "", forward)
 
 
 def measure_fresnel(
-    device: OpenDevice, cases: Sequence[FresnelCase] | None = None
+    device: OpenDevice,
+    cases: Sequence[FresnelCase] | None = None,
+    precision: str = FP64.name,
 ) -> list[Measured]:
     """Send rays through plates and compare weights and directions with the oracle.
 
@@ -173,9 +177,17 @@ def measure_fresnel(
         Where.
     cases : sequence of FresnelCase, optional
         Default `fresnel_cases`.
+    precision : str
+        In which mode. In single precision directions are rounded to it first; indices are not, as
+        the host takes their differences in double precision.
     """
+    mode = PRECISIONS[precision]
     plates: dict[tuple[float, float], list[FresnelCase]] = {}
-    for case in cases if cases is not None else fresnel_cases():
+    for given in cases if cases is not None else fresnel_cases():
+        case = given
+        if mode.single:
+            x, y, z = map(single, given.direction)
+            case = dataclasses.replace(given, direction=(x, y, z))
         plates.setdefault((case.outside, case.inside), []).append(case)
     found = []
     for (outside, inside), members in plates.items():
@@ -187,7 +199,7 @@ def measure_fresnel(
             half_height=2.0,
             surface=Fresnel(index=inside, index_outside=outside),
         )
-        compiled = compile_elements((plate,))
+        compiled = compile_elements((plate,), precision)
         directions = np.array([case.direction for case in members])
         followed = follow_rays(device, compiled.tables, np.hstack([-directions, directions]), 1)
         for n, case in enumerate(members):
@@ -202,6 +214,11 @@ def measure_fresnel(
                 else along,
                 "transmitted": along if through else None,
             }
+            height, bound = abs(case.direction[2]), FIRM * mode.roundoff * 3.0
+            if mode.single and height < bound:
+                why = f"a ray starts {height:.1e} m off a face, within {bound:.1e} m of rounding"
+                found.append(Measured(case.label, firm=False, right=True, lost=why))
+                continue
             with load_digits().workdps(DIGITS):
-                found.append(_compare(case, outcome))
+                found.append(_compare(case, outcome, mode.roundoff))
     return found

@@ -179,14 +179,14 @@ def _candidate(posed: _Posed, index: int, t: Any) -> tuple[Candidate, list[tuple
     return found, list(zip(margins, k_m, strict=True))
 
 
-def _roots(case: Case, posed: _Posed, index: int) -> list[tuple[Any, bool, bool]]:
+def _roots(case: Case, posed: _Posed, index: int, unit: float) -> list[tuple[Any, bool, bool]]:
     """Return distances at which a face's surface may be hit: (t, certain, smooth)."""
     face, x = posed.faces[index], posed.x
     o, d = posed.ray(x)
     local_o = posed.to_local(x, add(o, -1, x[6:9]))
     local_d = posed.to_local(x, d)
     roots = face.roots(local_o, local_d, x[12:])
-    bound = FIRM * UNIT
+    bound = FIRM * unit
     for places in face.blurs(local_o, local_d, x[12:]):
         if all(abs(posed.value(face, x, t)) <= bound * posed.sensitivity(face, t) for t in places):
             return [(t, False, False) for t in (*roots.at, *places)]
@@ -214,9 +214,18 @@ def _roots(case: Case, posed: _Posed, index: int) -> list[tuple[Any, bool, bool]
     return found
 
 
-def judge(case: Case) -> Verdict:
-    """Return the answers that are right for a case."""
+def judge(case: Case, unit: float = UNIT) -> Verdict:
+    """Return the answers that are right for a case.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    unit : float
+        u, the unit roundoff of the arithmetic that is asked.
+    """
     mp = load_digits()
+    bound = FIRM * unit
     everything: list[Candidate] = []
     for number, element in enumerate(case.elements):
         own = case.left is not None and case.left.element == number
@@ -225,17 +234,15 @@ def judge(case: Case) -> Verdict:
             continue  # it leaves a convex body outwards
         posed = _Posed(case, number)
         for index in range(len(posed.faces)):
-            for t, certain, smooth in _roots(case, posed, index):
+            for t, certain, smooth in _roots(case, posed, index, unit):
                 candidate, margins = _candidate(posed, index, t)
-                ahead = FIRM * UNIT * candidate.k_distance
-                if any(m < -FIRM * UNIT * k for m, k in margins) or (t < -ahead and smooth):
+                ahead = bound * candidate.k_distance
+                if any(m < -bound * k for m, k in margins) or (t < -ahead and smooth):
                     continue
-                candidate.certain = (
-                    certain and t > ahead and all(m > FIRM * UNIT * k for m, k in margins)
-                )
+                candidate.certain = certain and t > ahead and all(m > bound * k for m, k in margins)
                 candidate.smooth = smooth
                 everything.append(candidate)
-    sure = [c.distance + FIRM * UNIT * c.k_distance for c in everything if c.certain]
+    sure = [c.distance + bound * c.k_distance for c in everything if c.certain]
     limit = min(sure, default=mp.inf)
-    able = [c for c in everything if c.distance - FIRM * UNIT * c.k_distance <= limit]
+    able = [c for c in everything if c.distance - bound * c.k_distance <= limit]
     return Verdict(able, may_miss=not sure and not case.must_hit)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from hostcode.program.precision import FP64, PRECISIONS
 from photizon_cl.atomic import reason
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.stability import families, families_local, families_mixed, families_round
@@ -26,13 +28,18 @@ __all__ = ["BOUND", "FAMILIES", "Row", "stability_report", "table", "write_figur
 BOUND: Final = 8.0
 """Largest error allowed, in units of u·K."""
 
-_LEGEND: Final = f"""\
+_LEGEND: Final = """\
 ulps: error / (u K), the largest of distance, point and normal (Fresnel: weights, directions);
-u = 2^-53 and K = sum of |d output / d input| * |input| + |output| over the case's own doubles:
+u = {unit} and K = sum of |d output / d input| * |input| + |output| over the case's own doubles:
 an exact solution of inputs that are each one unit roundoff off has at most 1. condition: the
-largest K relative to its output. firm: no inputs within {FIRM:.0f} such roundoffs change the hit;
+largest K relative to its output. firm: no inputs within {firm:.0f} such roundoffs change the hit;
 elsewhere any answer that they give is right. wrong: a decision that is not among the right
 ones, or not a number."""
+_LOST: Final = """\
+lost: cases of which single precision cannot hold the scene, an element, a length or a gap below its
+rounding, and those that come out wrong of rays that start nearer to a face, or see it from so far,
+that rounding hides it. A family with any does not survive whole. All inputs are rounded to single
+precision before the oracle sees them."""
 
 FAMILIES: Final[dict[str, Callable[[], Iterator[Case]]]] = {
     "sphere, tangent": families.sphere_tangent,
@@ -104,6 +111,11 @@ class Row:
         return tuple(m for m in self.measured if not m.right)
 
     @property
+    def lost(self) -> tuple[Measured, ...]:
+        """Cases that the precision cannot hold."""
+        return tuple(m for m in self.measured if m.lost)
+
+    @property
     def worst(self) -> float:
         """Largest error in units of u·K."""
         return max(m.worst for m in self.measured)
@@ -120,11 +132,22 @@ class Row:
 
     @property
     def passed(self) -> bool:
-        """Whether no decision is wrong and no error beyond the bound."""
-        return not self.wrong and self.worst <= BOUND
+        """Whether no decision is wrong and no error beyond the bound, and something was asked."""
+        return not self.wrong and self.worst <= BOUND and len(self.lost) < self.cases
+
+    @property
+    def verdict(self) -> str:
+        """What to say of it, empty where all is well."""
+        if self.wrong or self.worst > BOUND:
+            return "FAILED"
+        if not self.lost:
+            return ""
+        return "LOST" if len(self.lost) == self.cases else f"{len(self.lost)} lost"
 
 
-def stability_report(device: OpenDevice, only: Sequence[str] = ()) -> list[Row]:
+def stability_report(
+    device: OpenDevice, only: Sequence[str] = (), precision: str = FP64.name
+) -> list[Row]:
     """Measure the families.
 
     Parameters
@@ -133,6 +156,8 @@ def stability_report(device: OpenDevice, only: Sequence[str] = ()) -> list[Row]:
         Where.
     only : sequence of str, optional
         Names of families; default all of them.
+    precision : str
+        In which mode.
 
     Raises
     ------
@@ -144,29 +169,44 @@ def stability_report(device: OpenDevice, only: Sequence[str] = ()) -> list[Row]:
         if only and name not in only:
             continue
         started = time.perf_counter()
-        found = measure(device, FAMILIES[name]()) if name in FAMILIES else measure_fresnel(device)
+        if name in FAMILIES:
+            found = measure(device, FAMILIES[name](), precision=precision)
+        else:
+            found = measure_fresnel(device, precision=precision)
         rows.append(Row(name, tuple(found), time.perf_counter() - started))
     return rows
 
 
-def table(rows: Sequence[Row]) -> str:
-    """Return the report as text."""
+def table(rows: Sequence[Row], precision: str = FP64.name) -> str:
+    """Return the report of a mode as text."""
+    mode = PRECISIONS[precision]
     head = (
         f"{'family':22} {'cases':>6} {'firm':>6} {'wrong':>6} {'worst ulps':>11} {'bound':>6} "
         f"{'condition':>10}  worst case"
     )
     lines = [head, "-" * len(head)]
     for row in rows:
-        mark = "" if row.passed else "  FAILED"
+        mark = f"  {row.verdict}" if row.verdict else ""
         lines.append(
             f"{row.family:22} {row.cases:6d} {row.firm:6d} {len(row.wrong):6d} {row.worst:11.2f} "
             f"{BOUND:6.0f} {row.condition:10.1e}  {row.worst_case.label}{mark}"
         )
         lines += [f"    wrong: {m.label}: {m.note}" for m in row.wrong[:5]]
+        reasons = dict.fromkeys(m.lost for m in row.lost)
+        lines += [f"    lost: {reason}" for reason in list(reasons)[:3]]
     total, wrong = sum(r.cases for r in rows), sum(len(r.wrong) for r in rows)
     worst = max((r.worst for r in rows), default=0.0)
     lines.append(f"{'all':22} {total:6d} {sum(r.firm for r in rows):6d} {wrong:6d} {worst:11.2f}")
-    lines += ["", _LEGEND]
+    if mode.single:
+        gone = sum(len(r.lost) for r in rows)
+        survive = sum(not r.verdict for r in rows)
+        some = sum(r.passed and bool(r.lost) for r in rows)
+        lines.append(
+            f"in {mode.name} {survive} of {len(rows)} families survive whole, {some} in part, with "
+            f"{gone} cases lost"
+        )
+    unit = f"2^{math.frexp(mode.roundoff)[1] - 1}"
+    lines += ["", _LEGEND.format(unit=unit, firm=FIRM)] + ([_LOST] if mode.single else [])
     return "\n".join(lines)
 
 

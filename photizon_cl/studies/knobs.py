@@ -6,7 +6,9 @@ import dataclasses
 import json
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
+from hostcode.program.precision import PRECISIONS
 from hostcode.program.spec import PLAIN_PARTS
+from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.scene.settings import MAX_GENERATION_CAP, MAX_RAYS_PER_BATCH
 
 if TYPE_CHECKING:
@@ -37,6 +39,8 @@ class Option:
         How a user asks for it; empty where only a study can.
     scene : Scene
         The scene with it in its ``[run]``.
+    precision : str
+        What the kernels compute in.
     plain : frozenset of str
         Parts of the arithmetic that are done the short way, see `hostcode.program.spec`.
     """
@@ -46,6 +50,7 @@ class Option:
     value: str | int | float | bool
     written: str
     scene: Scene
+    precision: str = DEFAULT
     plain: frozenset[str] = frozenset()
 
 
@@ -59,7 +64,7 @@ class Knob(Protocol):
 
 def as_it_stands(scene: Scene) -> Option:
     """Return the scene's own settings as an option."""
-    return Option("fp64", "precision", "fp64", "", scene)
+    return Option(DEFAULT, "precision", DEFAULT, "", scene)
 
 
 def _with(scene: Scene, knob: str, value: Any, name: str) -> Option:
@@ -96,13 +101,20 @@ def _batch(scene: Scene, cap: int) -> Iterator[Option]:
             yield _with(scene, "rays_per_batch", value, f"batches of {value}")
 
 
+def _precision(scene: Scene, cap: int) -> Iterator[Option]:
+    for mode in PRECISIONS:
+        if mode != DEFAULT:
+            yield Option(mode, "precision", mode, f"--precision {mode}", scene, mode)
+
+
 def _plain(scene: Scene, cap: int) -> Iterator[Option]:
     names = {"geometry": "plain geometry", "tally": "tally to 2^-31"}
     for part in PLAIN_PARTS:
-        yield Option(names[part], part, "plain", "", scene, frozenset({part}))
+        yield Option(names[part], part, "plain", "", scene, plain=frozenset({part}))
 
 
 KNOBS: Final[tuple[Knob, ...]] = (
+    _precision,
     _roulette,
     _cap,
     _splitting,

@@ -11,6 +11,7 @@ import numpy as np
 
 from hostcode.run.tally import exact, values, whole_of
 from hostcode.run.usual import usual_plan
+from photizon_cl.checks.precision import fitting_mode
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.quantities import quantity_of
 from photizon_cl.result.cost import ROUNDING, TARGETS, CostSetting, TargetTime
@@ -62,7 +63,8 @@ class Trial:
 
     def __init__(self, option: Option, quantity: str, device: DeviceRecord | str | None) -> None:
         self.option = option
-        self.compiled = compile_scene(option.scene, option.scene.run)
+        fitting_mode(option.precision, option.scene)
+        self.compiled = compile_scene(option.scene, option.scene.run, precision=option.precision)
         tables = self.compiled.tables
         if option.plain:
             tables = replace(tables, spec=replace(tables.spec, plain=option.plain))

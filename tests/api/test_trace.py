@@ -271,7 +271,7 @@ def test_progress_is_told():
         ({"batches": 2.5}, "batches: found 2.5"),
         ({"batches": True}, "batches: found true"),
         ({"batches": 2**40}, "expected an integer from 1 to 4294967296"),
-        ({"precision": "fp32"}, 'precision: found "fp32", expected one of "fp64"'),
+        ({"precision": "fp16"}, 'precision: found "fp16", expected one of "fp64", "mixed", "fp32"'),
         ({"device": "no such device"}, "device: no device matches"),
         ({"device": 99}, "device: no device matches"),
         ({"device": 3.7}, "device: found 3.7, expected a number, type or part of a name"),

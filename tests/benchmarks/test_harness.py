@@ -104,9 +104,27 @@ def test_cells_that_disagree_are_no_result(measured):
         throughput._same_digest("scene", [throughput.Series(cell, [timing, other])])
 
 
+FAST = ("lambertian-sphere",)
+"""Presets that are traced in all modes every time: each is a program more."""
+
+
 @pytest.mark.parametrize("name", preset_names())
 def test_a_preset_gives_its_stored_digest(name, device):
     same, why = digests.compare(digests.entry(device, name), digests.stored().get(name))
+    assert same, f"{why}; after a change on purpose: python -m benchmarks.digests --write"
+
+
+@pytest.mark.parametrize(
+    ("name", "mode"),
+    [
+        pytest.param(name, mode, marks=() if name in FAST else pytest.mark.slow)
+        for name in preset_names()
+        for mode in ("mixed", "fp32")
+    ],
+)
+def test_a_preset_gives_its_stored_digest_in_single_precision(name, mode, device):
+    made = digests.entry(device, name, precision=mode)
+    same, why = digests.compare(made, digests.stored(mode).get(name))
     assert same, f"{why}; after a change on purpose: python -m benchmarks.digests --write"
 
 

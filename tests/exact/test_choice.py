@@ -177,7 +177,10 @@ def test_it_is_true_or_false(value):
 
 
 MUTANTS = {
-    "the other child": ({"choice.chance": "~LT(u * sum, outcome->second_w)"}, chooses),
+    "the other child": (
+        {"choice.chance": "~WEIGHT_LT(TO_WEIGHT(u) * sum, outcome->second_w)"},
+        chooses,
+    ),
     "evens": ({"choice.chance": "LT(u, splat(0.5))"}, chooses),
     "the weight of one": ({"choice.weight": "outcome->w"}, chooses),
     "rounding unbooked": ({"choice.booked": "image_difference(sent, sent)"}, rounds),

@@ -211,10 +211,15 @@ def with_tree(tree: bool, force: frozenset[str] = frozenset()) -> dict[str, froz
     return {"force": force | TREE} if tree else {"force": force, "without": TREE}
 
 
-def compiled(scene: Scene | str, force: frozenset[str] = frozenset(), **run: Any) -> CompiledScene:
+def compiled(
+    scene: Scene | str,
+    force: frozenset[str] = frozenset(),
+    precision: str = "fp64",
+    **run: Any,
+) -> CompiledScene:
     """Compile a scene or preset with some run settings changed."""
     found = load(scene) if isinstance(scene, str) else scene
-    return compile_scene(found, replace(found.run, **run), force)
+    return compile_scene(found, replace(found.run, **run), force, precision=precision)
 
 
 def trace(
@@ -225,10 +230,12 @@ def trace(
     force: frozenset[str] = frozenset(),
     device: OpenDevice | None = None,
     plan: ExecutionPlan = PLAN,
+    precision: str = "fp64",
     **run: Any,
 ) -> Traced:
     """Trace batches of a scene; keywords override its run settings."""
-    return trace_compiled(compiled(scene, force, **run), batches, first, device, plan)
+    made = compiled(scene, force, precision, **run)
+    return trace_compiled(made, batches, first, device, plan)
 
 
 def trace_compiled(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hostcode.device import kept_kernels
-from hostcode.program.build import OPTIONS
+from hostcode.device.single import options_of
 from hostcode.program.fields import BASE_ENDING
 from hostcode.program.source import program_source
 from hostcode.templates import lane, render
@@ -23,10 +23,13 @@ if TYPE_CHECKING:
 LIBRARIES = ("prelude", "lib/philox", "lib/children", "lib/elementary", "lib/vectors", "lib/limbs")
 
 
-def library_text(lanes: int, names: tuple[str, ...], effects: frozenset[str]) -> str:
+def library_text(
+    lanes: int, names: tuple[str, ...], effects: frozenset[str], real: str = "double"
+) -> str:
     """Return the rendered libraries."""
     context: dict[str, Any] = {
-        "real": "double",
+        "real": real,
+        "weight": "double",
         "lanes": lanes,
         "lane": lambda value, number: lane(value, number, lanes),
         "effects": effects,
@@ -37,12 +40,12 @@ def library_text(lanes: int, names: tuple[str, ...], effects: frozenset[str]) ->
 
 
 @cache
-def _program(device: OpenDevice, text: str) -> Any:
-    return kept_kernels.build(device, _key(device, text), text, OPTIONS)
+def _program(device: OpenDevice, text: str, real: str) -> Any:
+    return kept_kernels.build(device, _key(device, text, real), text, options_of(device, real))
 
 
-def _key(device: OpenDevice, text: str) -> str:
-    return kept_kernels.program_key(device, text, OPTIONS)
+def _key(device: OpenDevice, text: str, real: str) -> str:
+    return kept_kernels.program_key(device, text, options_of(device, real))
 
 
 def run_text(
@@ -55,6 +58,7 @@ def run_text(
     effects: frozenset[str] = frozenset(),
     spec: ProgramSpec | None = None,
     device: OpenDevice | None = None,
+    real: str = "double",
 ) -> list[NDArray[Any]]:
     """Run kernel ``test`` of a text behind the libraries; return its arrays as they are afterwards.
 
@@ -71,11 +75,11 @@ def run_text(
         access = f"#define LOAD(p, i) vload{lanes}(i, p)\n"
         access += f"#define STORE(v, p, i) vstore{lanes}(v, i, p)\n"
     if spec is None:
-        before = library_text(lanes, libraries, effects)
+        before = library_text(lanes, libraries, effects, real)
     else:
         before = program_source(spec.for_device(lanes, ("wave",)))
     text = before + access + body
-    program = _program(device, text)
+    program = _program(device, text, real)
     flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
     passed, read = [], []
     for argument in arguments:
@@ -90,5 +94,5 @@ def run_text(
     kernel(device.queue, (elements // lanes,), (1,), *passed)
     for buffer, result in read:
         cl.enqueue_copy(device.queue, result, buffer)
-    kept_kernels.keep(_key(device, text))  # the next run of the suite compiles nothing
+    kept_kernels.keep(_key(device, text, real))  # the next run of the suite compiles nothing
     return [result for _, result in read]

@@ -26,6 +26,7 @@ DEBIAN = DeviceRecord(
     available=True,
     compiler_available=True,
     fp64_flags=ALL_FP64,
+    fp32_flags=("correctly_rounded_divide_sqrt", *ALL_FP64),
     int64_atomics=True,
     preferred_vector_width_double=8,
     native_vector_width_double=8,

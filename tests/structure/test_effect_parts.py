@@ -42,7 +42,7 @@ def spec(*parts: EffectParts) -> ProgramSpec:
         ),
         (
             {"ray": (RayField("age", "reel", "splat(0.0)", "s"),)},
-            'effect mine: type of the ray\'s age: found "reel", expected one of real, long, ulong,',
+            'effect mine: type of the ray\'s age: found "reel", expected one of real, weight,',
         ),
         (
             {"hit": (HitField("u", "word", "m"),)},
@@ -50,7 +50,7 @@ def spec(*parts: EffectParts) -> ProgramSpec:
         ),
         (
             {"ending": (EndingField("age", "long", "p->age", "s"),)},
-            'effect mine: type of the ending\'s age: found "long", expected one of real, word',
+            'effect mine: type of the ending\'s age: found "long", expected one of real, weight,',
         ),
         (
             {"launch": (("first", "int", "cell"),)},

@@ -1,8 +1,8 @@
-"""Every program with ``real`` = float: there the compiler keeps apart what is one C type otherwise.
+"""Every program in single precision: there the compiler keeps apart what is one C type otherwise.
 
 OpenCL C converts no vector type silently. A build without a word from the compiler says that masks,
-64-bit integers, reals and wide numbers are not taken for each other, and that no double meets a
-real. What such programs give is not asked here.
+64-bit integers, reals, weights and wide numbers are not taken for each other, and that no double
+meets a real. What such programs give, tests of precision ask.
 """
 
 from __future__ import annotations
@@ -54,14 +54,19 @@ def every_kind() -> pz.Scene:
     )
 
 
-def build_silently(device: OpenDevice, spec: ProgramSpec, lanes: int, *stages: str) -> None:
-    """Build a scene's program with floats; the compiler must say nothing."""
+def build_silently(
+    device: OpenDevice, spec: ProgramSpec, lanes: int, *stages: str, weight: str = "double"
+) -> None:
+    """Build a scene's program with floats; the compiler must say nothing.
+
+    With weights in doubles it keeps them apart from reals too.
+    """
     import pyopencl as cl
 
     # both ways to tally and both layouts of the queue are built at some width
     chosen = spec.for_device(lanes, stages, private_tallies=lanes > 1, interleaved=lanes == 1)
     for one in (chosen, chosen.for_tally()) if chosen.records else (chosen,):
-        program = build.build(device, replace(one, real="float"))
+        program = build.build(device, replace(one, real="float", weight=weight))
         log = program.built.get_build_info(device.device, cl.program_build_info.LOG)
         assert log.strip() == ""
 
@@ -112,11 +117,23 @@ def test_a_library_that_no_kind_uses_yet(device: OpenDevice, lanes: int) -> None
     build_silently(device, replace(spec, surfaces=users), lanes, "wave")
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("lanes", LANES)
+def test_weights_in_floats(device: OpenDevice, lanes: int) -> None:
+    spec = compiled(load(everything())).tables.spec
+    build_silently(device, spec, lanes, "wave", "classical", weight="float")
+
+
 MIX_UPS = {
-    "a mask from an integer": {"fresnel.splits": "lsplat(0L)"},
-    "integers compared as reals": {"meet.first_named": "LT(hit_code, h->code)"},
-    "a double constant": {"mirror.weight": "0.5 * p->w"},
-    "a number of a table": {"generate.weight": "w * source[SOURCE_WEIGHT]"},
+    "a mask from an integer": ("float", {"fresnel.splits": "lsplat(0L)"}),
+    "integers compared as reals": ("float", {"meet.first_named": "LT(hit_code, h->code)"}),
+    "a double constant": ("float", {"mirror.weight": "0.5 * p->w"}),
+    "a number of a table": ("float", {"generate.weight": "w * source[SOURCE_WEIGHT]"}),
+    "a weight in a real": (
+        "double",
+        {"mirror.weight": "p->w * material_number(material, MIRROR_REFLECTANCE)"},
+    ),
+    "a weight compared as a real": ("double", {"fresnel.splits": "event->m & GT(wr, wt)"}),
 }
 
 
@@ -124,9 +141,10 @@ MIX_UPS = {
 def test_a_mix_up_does_not_build(
     device: OpenDevice, monkeypatch: pytest.MonkeyPatch, mix_up: str
 ) -> None:
-    monkeypatch.setattr(templates, "MUTATIONS", MIX_UPS[mix_up])
+    weight, mutations = MIX_UPS[mix_up]
+    monkeypatch.setattr(templates, "MUTATIONS", mutations)
     monkeypatch.setattr(build, "_CACHE", {})
     spec = compiled(load(everything())).tables.spec.for_device(2, ("wave",))
     build.build(device, spec)  # with doubles it does
     with pytest.raises(KernelBuildError):
-        build.build(device, replace(spec, real="float"))
+        build.build(device, replace(spec, real="float", weight=weight))

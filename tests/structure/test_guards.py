@@ -61,8 +61,8 @@ class ManyNumbers(pz.Rectangle):
         "MANY", *((f"n{n}", "", "unused") for n in range(20)), base=pz.Rectangle.row
     )
 
-    def packed(self, centre: Any, axis: Any, at_edges: Any = (1.0,) * 4) -> dict[str, float]:
-        return {**super().packed(centre, axis, at_edges), **{f"n{n}": 7.0 for n in range(20)}}
+    def packed(self, *where: Any) -> dict[str, float]:
+        return {**super().packed(*where), **{f"n{n}": 7.0 for n in range(20)}}
 
 
 def test_an_element_of_many_numbers_keeps_its_frame():

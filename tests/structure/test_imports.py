@@ -40,11 +40,12 @@ HOST = {
 
 # What of the device's side is known outside it; where nothing stands, nothing is.
 ACROSS = {
+    "checks": "program",
     "compile": "errors program run",
-    "result": "assets run",
+    "result": "assets program run",
     "run": "errors device program run",
     "studies": "errors device program run",
-    "stability": "device run",
+    "stability": "device program run",
     "cli": "errors device",
 }
 

@@ -48,6 +48,10 @@ class Effect(ABC):
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Return why a scene, run so, needs it, as a clause behind "because"; None where not."""
 
+    def needed_within(self, scene: Scene, settings: RunSettings, roundoff: float) -> str | None:
+        """Return the same for coordinates of some unit roundoff, where that makes a difference."""
+        return self.needed(scene, settings)
+
     def possible(self, scene: Scene) -> bool:
         """Say whether it can be forced on in a scene that does not need it."""
         return True

@@ -9,7 +9,7 @@ import numpy as np
 from hostcode.program.spec import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.geometry.coincidence import unordered
-from photizon_cl.geometry.planes import ROUNDING
+from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
@@ -30,7 +30,11 @@ class Coincidence(Effect):
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Where neither rounding nor the file may decide: `photizon_cl.geometry.coincidence`."""
-        pair = next(unordered(scene.element), None)
+        return self.needed_within(scene, settings, ROUNDOFF)
+
+    def needed_within(self, scene: Scene, settings: RunSettings, roundoff: float) -> str | None:
+        """Where there are such places to the rounding of the coordinates."""
+        pair = next(unordered(scene.element, roundoff), None)
         if pair is None:
             return None
         a, b = (scene.element[n].name for n in pair)
@@ -42,11 +46,13 @@ class Coincidence(Effect):
 
     def prepare(self, draft: Draft, *, forced: bool) -> None:
         """Mark the elements that it is about."""
-        draft.coincident = frozenset(n for pair in unordered(draft.scene.element) for n in pair)
+        draft.coincident = frozenset(
+            n for pair in unordered(draft.near.elements, draft.near.roundoff) for n in pair
+        )
 
     def packed(self, draft: Draft, number: int) -> dict[str, float]:
         """Return the room for rounding, which follows the positions that were given."""
-        return {"room": 8.0 * ROUNDING * float(np.abs(draft.near.boxes[number]).max())}
+        return {"room": 8.0 * draft.near.rounding * float(np.abs(draft.near.boxes[number]).max())}
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return what settles the order, which the elements' functions call."""

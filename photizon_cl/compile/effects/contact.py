@@ -9,6 +9,7 @@ from hostcode.program.spec import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.geometry.contact import in_contact, note_size
 from photizon_cl.geometry.neighbours import Neighbours
+from photizon_cl.scene.elements.base import ROUNDOFF
 
 if TYPE_CHECKING:
     from photizon_cl.compile.draft import Draft
@@ -26,7 +27,11 @@ class Contact(Effect):
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Where elements touch, or may: see `photizon_cl.geometry.contact`."""
-        touching = in_contact(Neighbours(scene.element), scene.source)
+        return self.needed_within(scene, settings, ROUNDOFF)
+
+    def needed_within(self, scene: Scene, settings: RunSettings, roundoff: float) -> str | None:
+        """Where they may to the rounding of their coordinates."""
+        touching = in_contact(Neighbours(scene.element, roundoff), scene.source)
         return "elements touch, cross, or meet at an outer edge" if touching else None
 
     def parts(self, draft: Draft) -> EffectParts:

@@ -33,7 +33,7 @@ class Roulette(Effect):
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the play, and the launched weight that the floor is a fraction of."""
-        launched = RayField("launched", "real", "w", "weight as launched", "splat(0.0)")
+        launched = RayField("launched", "weight", "w", "weight as launched", "weight_splat(0.0)")
         return EffectParts(
             # rays that all weigh 1 need not remember it
             ray=(launched,) if draft.weights_differ else (),

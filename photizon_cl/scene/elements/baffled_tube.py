@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.elements.base import ROUNDOFF, Element
 from photizon_cl.scene.faces import Plane, Rectangular
 from photizon_cl.scene.parameters import integer, number, positive_length
 from photizon_cl.scene.rows import Row
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from photizon_cl.scene.faces import Face
     from photizon_cl.scene.frames import Vec3
 
-_ROUNDOFF: Final = 2.0**-53
 MAX_BAFFLES: Final = 4096
 CLEAR_RANGE: Final = "a length from 0 to half_width in metres"
 
@@ -142,15 +141,19 @@ class BaffledTube(Element):
         return (-h, -h, 0.0), (h, h, self.length)
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return the sizes with their bounds."""
-        rounding = 4.0 * _ROUNDOFF * max(map(abs, centre))
-        near = rounding + 4.0 * _ROUNDOFF * self.half_width
+        rounding = 4.0 * roundoff * max(map(abs, centre))
+        near = rounding + 4.0 * roundoff * self.half_width
         # a tilted tube's coordinates are sums of products as large as its length
         inside = 0.5 * near
         if axis is None:
-            inside = 2.0 * near + 4.0 * _ROUNDOFF * self.length
+            inside = 2.0 * near + 4.0 * roundoff * self.length
         clear = self.clear_half_width if self.baffles and self.clear_half_width is not None else 0.0
         return {
             "half": self.half_width,

@@ -26,6 +26,8 @@ CURVED_SIDES: Final = ("inside", "outside")
 OTHER_SIDE: Final = {
     "inside": "outside", "outside": "inside", "front": "back", "back": "front",
 }  # fmt: skip
+ROUNDOFF: Final = 2.0**-53
+"""Unit roundoff of doubles."""
 _ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bring it to a face
 
 
@@ -232,7 +234,11 @@ class Element(Described):
 
     @abstractmethod
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0)
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return the values of its row's columns by name.
 
@@ -246,6 +252,8 @@ class Element(Described):
         at_edges : sequence of float
             By how much rounding bounds at the edges +u, −u, +v and −v are to be multiplied, see
             `photizon_cl.geometry.wedges`.
+        roundoff : float, optional
+            Unit roundoff of the coordinates that the kernels compute in.
         """
 
     def map_bins(self, nx: int, ny: int) -> MapBins:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
+from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.lens import (
     Lens,
     cap,
@@ -90,12 +91,16 @@ class Biconvex(Lens):
         return (-a, -a, -sag(self.back_radius, a)), (a, a, sag(self.front_radius, a))
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return the caps' numbers."""
         a, back = self.aperture_radius, self.back_radius
         return {
-            **cap_columns(self.front_radius, a, centre),
+            **cap_columns(self.front_radius, a, centre, roundoff),
             "back_depth": centre_depth(back, a),
             "back_inverse": 1.0 / back,
             "back_radius": back,

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.elements.base import ROUNDOFF, Element
 from photizon_cl.scene.faces import Revolved
 from photizon_cl.scene.frames import sincos_deg
 from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.faces import Face
     from photizon_cl.scene.frames import Vec3
-
-_ROUNDOFF: Final = 2.0**-53
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +154,11 @@ class Cpc(Element):
         return (-a, -a, 0.0), (a, a, self.length)
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return the profile's coefficients, lengths scaled."""
         scale = math.ldexp(1.0, -math.frexp(self.exit_radius)[1])
@@ -169,7 +171,7 @@ class Cpc(Element):
         beta = 4.0 * c * (s * b + c * d)
         outer = self.entrance_radius * scale
         far = max(map(abs, centre)) * scale
-        rounding = 4.0 * _ROUNDOFF * (far + outer)
+        rounding = 4.0 * roundoff * (far + outer)
         return {
             "length": length, "cosine": c, "sine": s,
             "b": b, "d": d, "e": e, "alpha": alpha, "beta": beta,

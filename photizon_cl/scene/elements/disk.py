@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.areas import circle_areas
 from photizon_cl.scene.bins import MapBins
-from photizon_cl.scene.elements.flat import EDGES, EDGES_TILTED, ROUNDOFF, Flat
+from photizon_cl.scene.elements.base import ROUNDOFF
+from photizon_cl.scene.elements.flat import EDGES, EDGES_TILTED, Flat
 from photizon_cl.scene.faces import Circular
 from photizon_cl.scene.filters.along import across
 from photizon_cl.scene.parameters import LARGEST, number, positive_length
@@ -76,14 +77,18 @@ class Disk(Flat):
         return Circular(self.inner_radius) if self.opening else None
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0)
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return the radii with their rounding bounds."""
-        values = super().packed(centre, axis, at_edges)
+        values = super().packed(centre, axis, at_edges, roundoff)
         if self.opening:
             hole = self.inner_radius
             grows, shrinks = EDGES if axis is not None else EDGES_TILTED
-            room = max(at_edges) * ROUNDOFF * (hole + max(map(abs, centre)))
+            room = max(at_edges) * roundoff * (hole + max(map(abs, centre)))
             values["outer_v"] = hole - grows * room
             values["inner_v"] = min(hole + shrinks * room, 0.5 * (hole + values["inner_u"]))
         return values

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.elements.base import ROUNDOFF, Element
 from photizon_cl.scene.faces import Plane
 from photizon_cl.scene.frames import axis_index
 from photizon_cl.scene.rows import Row
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from photizon_cl.scene.faces import Face, Outline
     from photizon_cl.scene.frames import Vec3
 
-ROUNDOFF: Final = 2.0**-53
 EDGES: Final = (4.0, 2.0)
 """How many roundings a face goes on beyond its edge, and how many within it points are put back."""
 EDGES_TILTED: Final = (8.0, 16.0)
@@ -92,7 +91,11 @@ class Flat(Element):
         return (-u, -v, 0.0), (u, v, 0.0)
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0)
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (1.0, 1.0, 1.0, 1.0),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return the half sizes with their rounding bounds, see ``kernels/lib/flat.mako``.
 
@@ -115,7 +118,7 @@ class Flat(Element):
         grows, shrinks = EDGES if axis is not None else EDGES_TILTED
 
         def bounds(half: float, factor: float) -> tuple[float, float]:
-            room = factor * ROUNDOFF * (half + far)
+            room = factor * roundoff * (half + far)
             return half + grows * room, max(half - shrinks * room, 0.5 * half)
 
         outer_u, inner_u = bounds(hu, plus_u)
@@ -134,10 +137,10 @@ class Flat(Element):
             "outer_v": outer_v,
             "inner_u": inner_u,
             "inner_v": inner_v,
-            "ends": 4.0 * ROUNDOFF * ends,
+            "ends": 4.0 * roundoff * ends,
             "sign": -1.0 if axis_index(self.axis) % 2 else 1.0,
             "aside": aside,
-            "plane": 4.0 * ROUNDOFF * plane,
+            "plane": 4.0 * roundoff * plane,
             "outer_minus_u": outer_minus_u,
             "outer_minus_v": outer_minus_v,
             "inner_minus_u": inner_minus_u,

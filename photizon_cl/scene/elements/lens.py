@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.base import Element
@@ -16,8 +16,6 @@ from photizon_cl.scene.rows import Row
 if TYPE_CHECKING:
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.frames import Vec3
-
-ROUNDOFF: Final = 2.0**-53
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,14 +104,14 @@ def on_cap(local: Vec3, radius: float, aperture: float, sign: float, slack: floa
     return abs(off) <= 2.0 * radius * slack
 
 
-def cap_columns(radius: float, aperture: float, centre: Vec3) -> dict[str, float]:
+def cap_columns(radius: float, aperture: float, centre: Vec3, roundoff: float) -> dict[str, float]:
     """Return the columns of a lens's row for a cap, or for the front one."""
     return {
         "rim": aperture,
         "depth": centre_depth(radius, aperture),
         "inverse": 1.0 / radius,
         "rim_square": aperture * aperture,
-        "near": 4.0 * ROUNDOFF * max(map(abs, centre)),
+        "near": 4.0 * roundoff * max(map(abs, centre)),
         "radius": radius,
-        "relative": 4.0 * ROUNDOFF,
+        "relative": 4.0 * roundoff,
     }

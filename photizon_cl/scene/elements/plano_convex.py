@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
+from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.lens import (
     Lens,
     cap,
@@ -79,10 +80,14 @@ class PlanoConvex(Lens):
         return (-a, -a, 0.0), (a, a, self.thickness)
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return the cap's numbers."""
-        return cap_columns(self.curvature_radius, self.aperture_radius, centre)
+        return cap_columns(self.curvature_radius, self.aperture_radius, centre, roundoff)
 
     @property
     def area(self) -> float:

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar
 
-from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.elements.base import ROUNDOFF, Element
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from photizon_cl.scene.frames import Vec3
-
-_ROUNDOFF: Final = 2.0**-53
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,10 +60,14 @@ class RevolvedWall(Element):
         return (-r, -r, low), (r, r, high)
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return rims, rounding bounds and shape."""
         low, high = self.heights
-        near = 4.0 * _ROUNDOFF * max(map(abs, centre))
-        most = near + 4.0 * _ROUNDOFF * (2.0 * self.widest + max(abs(low), abs(high)))
+        near = 4.0 * roundoff * max(map(abs, centre))
+        most = near + 4.0 * roundoff * (2.0 * self.widest + max(abs(low), abs(high)))
         return {"low": low, "high": high, "near": near, "most": most, **self.shape}

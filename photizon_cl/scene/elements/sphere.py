@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.areas import zone_areas
 from photizon_cl.scene.bins import MapBins
-from photizon_cl.scene.elements.base import Element
+from photizon_cl.scene.elements.base import ROUNDOFF, Element
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.filters.along import polar_cosine
 from photizon_cl.scene.filters.azimuth import Azimuth
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from photizon_cl.scene.frames import Vec3
 
 SMALLEST_PORT = 1e-16  # below about half of this, 1 − 2f rounds to 1
-_ROUNDOFF = 2.0**-53
 PORT_RANGE = "0, or a number from 1e-16 up to but not including 1"
 
 
@@ -161,12 +160,16 @@ class Sphere(Element):
         return (-r, -r, -r), (r, r, r)
 
     def packed(
-        self, centre: Vec3, axis: int | None, at_edges: Sequence[float] = ()
+        self,
+        centre: Vec3,
+        axis: int | None,
+        at_edges: Sequence[float] = (),
+        roundoff: float = ROUNDOFF,
     ) -> dict[str, float]:
         """Return the radius and what follows from it."""
         radius, far = self.radius, max(map(abs, centre))
-        rim = radius * self.cos_port + 4.0 * _ROUNDOFF * (radius + far)
-        on_surface = 8.0 * _ROUNDOFF * radius * (radius + far)
+        rim = radius * self.cos_port + 4.0 * roundoff * (radius + far)
+        on_surface = 8.0 * roundoff * radius * (radius + far)
         return {
             "radius": radius,
             "inverse_square": 1.0 / (radius * radius),
