@@ -37,6 +37,8 @@ _LEAST: Final = 256
 """Batches that each setting should have at least: σ² is known to 9 % by so many."""
 _FEWEST_RAYS: Final = 2048
 """Rays of a batch that it is not made smaller than for their sake."""
+_TRACING: Final = 0.25
+"""Part of the time that is kept for tracing, should building programs take all of it."""
 _PATIENCE: Final = 20.0
 """Times as long as the scene as it stands that a setting may take for a batch."""
 
@@ -120,7 +122,7 @@ class Study:
         self.device = str(device) if isinstance(device, int) else device
         self.progress = progress
         self.start = time.perf_counter()
-        self.seconds = scene.run.max_seconds
+        self.seconds = self.until = scene.run.max_seconds
         self.quantity = _checked(scene, quantity)
         self.left_out: list[tuple[str, str]] = []
         self.interrupted: Callable[[], bool] = lambda: False
@@ -173,7 +175,7 @@ class Study:
         return time.perf_counter() - self.start
 
     def _over(self, part: float = 1.0) -> bool:
-        return self.interrupted() or self.elapsed() > part * self.seconds
+        return self.interrupted() or self.elapsed() > part * self.until
 
     def _opened(self, option: Option) -> Trial:
         self.progress(f"{option.name}: building its program")
@@ -223,24 +225,26 @@ class Study:
 
     def _take_turns(self, trials: list[Trial], reference: Trial) -> None:
         """Trace all settings in turn until the time is over."""
-        left = max(self.seconds - self.elapsed(), 0.0)
+        # programs that took long to build leave some time all the same
+        self.until = max(self.seconds, self.elapsed() + _TRACING * self.seconds)
+        left = self.until - self.elapsed()
         turn = left / (_TURNS * (len(trials) + 1))
         number = 0
         while not self._over():
             number += 1
-            self.progress(f"turn {number}, {self.elapsed():.0f} of {self.seconds:.0f} s")
+            self.progress(f"turn {number}, {self.elapsed():.0f} of {self.until:.0f} s")
             # every other turn goes backwards, so that none is always the first
             order = trials if number % 2 else trials[::-1]
             for trial in order:
                 # a bias is known by the batches that both have
                 times = 2.0 if trial is reference else 1.0
                 n = trial.batches_in(times * turn)
-                if self.elapsed() + 0.5 * n * trial.pace > self.seconds and trial.batches > 1:
+                if self.elapsed() + 0.5 * n * trial.pace > self.until and trial.batches > 1:
                     continue
                 self._advance(trial, n)
                 if self._over():
                     return
-            if self.elapsed() + 0.5 * turn > self.seconds:
+            if self.elapsed() + 0.5 * turn > self.until:
                 return
 
     def _told(

@@ -16,6 +16,7 @@ from photizon_cl.result.cost_advice import advice
 from photizon_cl.result.cost_file import is_study, read_study, study_text
 from photizon_cl.result.stopping import achieved_sigma
 from photizon_cl.studies.cost_files import check_folder, save
+from photizon_cl.studies.costing import Study
 from photizon_cl.studies.knobs import KNOBS, Option, as_it_stands
 from photizon_cl.studies.trial import Trial
 from photizon_cl.views.report.writing import beside
@@ -50,7 +51,9 @@ def pair():
 def study(tmp_path_factory):
     """A study of some seconds, its directory, and what the verb printed of it."""
     folder = tmp_path_factory.mktemp("cost")
-    return pz.cost(small(), max_seconds=4.0), folder
+    scene = dataclasses.replace(small().run, max_seconds=4.0)
+    some = Study(dataclasses.replace(small(), run=scene), None, None, lambda _: None, KNOBS[:3])
+    return some.run(), folder
 
 
 def test_a_row_says_what_a_trace_says(pair):
@@ -195,7 +198,7 @@ def test_knobs_change_one_thing_each_and_never_to_what_it_is(name):
     options = [option for knob in KNOBS for option in knob(scene, 1000)]
     assert len({option.name for option in options}) == len(options)
     for option in options:
-        if option.plain:
+        if option.plain or option.precision != "fp64":
             assert option.scene == scene
         else:
             want = dataclasses.replace(scene.run, **{option.knob: option.value})
@@ -214,7 +217,7 @@ def test_a_study_has_a_row_for_each_setting_and_its_json_is_finite(study):
     assert found.scene_digest == small().digest()
     names = [row["name"] for row in summary["settings"]]
     assert len(set(names)) == len(names)
-    assert {"fp64", "roulette 0.1", "cap 1000", "plain geometry"} <= {
+    assert {"fp64", "mixed", "roulette 0.1", "cap 1000"} <= {
         *names, *(item["name"] for item in summary["left_out"])
     }  # fmt: skip
     reference = found[found.reference]
@@ -323,3 +326,18 @@ def test_a_damaged_study_is_told_and_left_out(tmp_path):
     assert study is None
     assert "is left out of the report" in remarks[0]
     assert beside(tmp_path / "nothing") == (None, [])
+
+
+@pytest.mark.slow
+def test_all_knobs_of_a_scene_that_splits():
+    found = pz.cost("plano-convex-condenser", max_seconds=30.0, quantity="detectors.focus.map")
+    assert {row.knob for row in found} == {
+        "precision", "roulette_floor", "generation_cap", "splitting", "rays_per_batch", "geometry",
+        "tally",
+    }  # fmt: skip
+    # one child has the same expectation; what the cap cuts shows, with a sign
+    assert not found["one child"].is_biased
+    assert found["cap 4"].is_biased
+    assert found["cap 4"].bias < 0.0
+    assert found["one child"].interactions_per_s > 0.0
+    assert found["mixed"].closure <= 1e-15
