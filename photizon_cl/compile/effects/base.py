@@ -37,6 +37,8 @@ class Effect(ABC):
     """What the device does more because of it, in one line."""
     in_text: ClassVar[bool] = False
     """Whether kernels ask for it by name (``"name" in effects``)."""
+    removable: ClassVar[bool] = False
+    """Whether a scene that needs it has the same numbers without it, but for those of its own."""
 
     row: ClassVar[Row] = NO_ROW
     """Columns that it adds to every element's row in the geometry table."""
@@ -47,6 +49,13 @@ class Effect(ABC):
     @abstractmethod
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Return why a scene, run so, needs it, as a clause behind "because"; None where not."""
+
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Return why a scene, run so, does without it, as a clause behind "because".
+
+        Asked where `needed` gives None.
+        """
+        return "nothing in the scene calls for it"
 
     def possible(self, scene: Scene) -> bool:
         """Say whether it can be forced on in a scene that does not need it."""

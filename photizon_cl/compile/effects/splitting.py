@@ -26,6 +26,10 @@ class Splitting(Effect):
         named = next((e for e in scene.element if e.surface.splits), None)
         return f'a ray that meets "{named.name}" goes on as two' if named else None
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "no surface sends a ray on as two"
+
     def parts(self, draft: Draft) -> EffectParts:
         """Return the path position that every draw is keyed by."""
         path = RayField("path", "ulong", "root", "place in the launched ray's tree", "(luint)(1UL)")
