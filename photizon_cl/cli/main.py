@@ -54,6 +54,11 @@ VERBS: Final = (
     ("run", "trace a scene", "photizon_cl.cli.run"),
     ("resume", "go on with a run that ended or was killed", "photizon_cl.cli.resume"),
     ("compare", "show how two runs differ, with errors", "photizon_cl.cli.compare"),
+    (
+        "effects",
+        "show what is compiled for a scene and why, and measure what it costs",
+        "photizon_cl.cli.effects",
+    ),
     ("recipe", "print a token that reproduces a run bit for bit", "photizon_cl.cli.recipe"),
     ("report", "write a saved result as one self-contained HTML page", "photizon_cl.cli.report"),
     ("show", "draw a scene with traced ray paths", "photizon_cl.cli.show"),

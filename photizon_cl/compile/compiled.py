@@ -220,6 +220,8 @@ def _effects_in_use(
     scene: Scene, settings: RunSettings, force: frozenset[str], without: frozenset[str]
 ) -> list[tuple[Effect, str]]:
     """Ask every effect whether the scene needs it; return those in use, and why."""
+    kinds = [kind for name, kind in ALL_KINDS.items() if name in force]
+    force |= {effect.name for effect in EFFECTS if any(map(effect.serves, kinds))}
     unknown = (force - ALL_KINDS.keys() | without) - {effect.name for effect in EFFECTS}
     if unknown:
         raise ArgumentError(

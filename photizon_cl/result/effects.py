@@ -201,7 +201,7 @@ class Effects:
     rows : tuple of EffectUse
         Kinds of sources, elements and surfaces, then effects.
     programs : tuple of ProgramUse
-        Groups of what the scene does without, all of it last; empty where nothing was measured.
+        Groups of what the scene does without; empty where nothing was measured.
     device : str or None
         Where prices were measured; None where nothing was.
     own : ProgramCost or None

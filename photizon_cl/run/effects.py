@@ -14,7 +14,7 @@ from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from hostcode.device.device import DeviceRecord
     from hostcode.program.plan import ExecutionPlan
@@ -47,26 +47,41 @@ class Larger(NamedTuple):
     compiled: CompiledScene
 
 
-def larger_programs(scene: Scene) -> list[Larger]:
-    """Return the programs that have more in them than a scene needs, the largest one last.
+def larger_programs(
+    scene: Scene, names: Sequence[str] | None = None, leave_out: frozenset[str] = frozenset()
+) -> list[Larger]:
+    """Return the programs that have more in them than a scene needs.
 
-    Every kind of a group; every effect that can be compiled into the program of the scene; and the
-    program that a tracer which does not specialise would run: all that, and no use made of there
-    being one of something, or few elements.
+    Every effect that can be compiled into the program of the scene; the program that a tracer which
+    does not specialise would run, with every kind as well, and no use made of there being one of
+    something, or few elements; every kind of a group.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene.
+    names : sequence of str, optional
+        Only the programs of these names.
+    leave_out : frozenset of str
+        Effects and kinds that are left out where the scene does without them; the programs' names
+        say so.
     """
     own = compile_scene(scene, scene.run)
-    found = []
-    names: dict[str, frozenset[str]] = {}
+    force: dict[str, frozenset[str]] = {EVERY_EFFECT: frozenset(), EVERYTHING: frozenset()}
     for row in EFFECT_ROWS.values():
-        title = EVERY_EFFECT if row.group == "effect" else f"every kind of {row.group}"
-        names[title] = names.get(title, frozenset()) | {row.name}
-    names[EVERYTHING] = frozenset(EFFECT_ROWS)
-    for title, force in names.items():
+        group = EVERY_EFFECT if row.group == "effect" else f"every kind of {row.group}"
+        for title in (group, EVERYTHING):
+            force[title] = force.get(title, frozenset()) | {row.name}
+    found = []
+    for title in force if names is None else names:
         general = title == EVERYTHING
-        made = compile_scene(scene, scene.run, force=force, general=general)
+        more = force[title] - leave_out
+        made = compile_scene(scene, scene.run, force=more, general=general)
         adds = tuple(name for name in EFFECT_ROWS if name in made.effects - own.effects)
         if adds:
-            found.append(Larger(title, adds, made))
+            spared = [name for name in EFFECT_ROWS if name in leave_out - made.effects]
+            but = f" but {', '.join(spared)}" if spared else ""
+            found.append(Larger(title + but, adds, made))
     return found
 
 
@@ -132,9 +147,9 @@ def effects(
     measured: dict[str, Pair | str] = {}
     for row in rows:
         if row.optional:
-            change = frozenset({row.name})
-            how = {"without": change} if row.in_use else {"force": change}
-            other = compile_scene(scene, scene.run, **how)
+            change, none = frozenset({row.name}), frozenset[str]()
+            force, without = (none, change) if row.in_use else (change, none)
+            other = compile_scene(scene, scene.run, force, without)
             measured[row.name] = pricing.measure(other, more=not row.in_use)
     for program in larger:
         measured[program.name] = pricing.measure(program.compiled)
@@ -162,7 +177,7 @@ def _row(name: str, own: CompiledScene) -> EffectUse:
         because = reason or f"no {holder} {has}"
         optional = False
         why = (
-            "kinds are measured together, as programs"
+            "kinds are measured by groups, as programs"
             if reason is None
             else "the scene is made of it"
         )

@@ -172,11 +172,13 @@ class Pricing:
             self.bits = self.own.bits(self._step)
             seconds, _ = self.own.trace(self._step)
         except Abandoned:
+            seconds = math.inf
+        if self.seconds > max_seconds or seconds == math.inf:
             raise RunError(
                 f"nothing was measured: compiling and {self._step} batches of the scene take "
                 f"longer than {max_seconds:g} s (max_seconds); give it more, or take fewer "
                 "rays_per_batch"
-            ) from None
+            )
         self.batches *= max(math.ceil(ROUND_SECONDS / seconds), 1)
 
     @property
@@ -209,7 +211,8 @@ class Pricing:
             program = _Program(other, self._engine(other))
         except NoRoomError as error:
             return f"there is no room for it: {error}"
-        self._share_ends = max(now + share, time.monotonic())
+        # some of it is for the rounds, however long the compiler took
+        self._share_ends = min(max(now + share, time.monotonic() + share / 4), self._ends)
         pair = None
         try:
             bits = program.bits(self._step)

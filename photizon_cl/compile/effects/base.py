@@ -16,6 +16,7 @@ from photizon_cl.scene.rows import NO_ROW
 if TYPE_CHECKING:
     from photizon_cl.compile.draft import Draft
     from photizon_cl.compile.layout import LedgerRow
+    from photizon_cl.scene.described import Described
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.rows import Row
     from photizon_cl.scene.settings import RunSettings
@@ -60,6 +61,10 @@ class Effect(ABC):
     def possible(self, scene: Scene) -> bool:
         """Say whether it can be forced on in a scene that does not need it."""
         return True
+
+    def serves(self, kind: type[Described]) -> bool:
+        """Say whether a kind's kernel may ask for it, whatever the values of its objects are."""
+        return False
 
     def rows(self, scene: Scene) -> tuple[LedgerRow, ...]:
         """Return the rows that it adds to the ledger."""
