@@ -192,7 +192,7 @@ class ProgramUse:
 class Effects:
     """Every effect and kind that there is, and what a scene makes of it.
 
-    Iterating gives an `EffectUse` for each; ``effects["tilt"]`` gives one.
+    Iterating gives an `EffectUse` for each; ``effects["element.sphere"]`` gives one.
 
     Parameters
     ----------

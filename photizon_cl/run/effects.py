@@ -130,8 +130,8 @@ def effects(
     --------
     >>> import photizon_cl as pz
     >>> found = pz.effects("integrating-sphere")
-    >>> found["far-field"].in_use, found["tilt"].because
-    (True, 'nothing is turned off the axes')
+    >>> found["element.sphere"].because, found["surface.mirror"].because
+    ('"wall" is one', 'no element has one')
     """
     scene = with_settings(load(scene), max_seconds=max_seconds)
     # when to stop a run is of no matter here, and may name what is left out below

@@ -34,7 +34,7 @@ class Acceleration(Effect):
 
     def absent(self, scene: Scene, settings: RunSettings) -> str:
         """Say what the scene has not."""
-        return f"{len(scene.element)} elements are fewer than {BREAK_EVEN}"
+        return f"there are fewer than {BREAK_EVEN} elements: {len(scene.element)}"
 
     def possible(self, scene: Scene) -> bool:
         """Not without elements."""
