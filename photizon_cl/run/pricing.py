@@ -206,24 +206,28 @@ class Pricing:
         share = (self._ends - now) / max(self.left, 1)
         self.left -= 1
         if share <= 0.0:
-            return f"the {self.max_seconds:g} s were over"
+            return f"the {self.max_seconds:g} s were over (max_seconds)"
         try:
             program = _Program(other, self._engine(other))
         except NoRoomError as error:
             return f"there is no room for it: {error}"
-        # some of it is for the rounds, however long the compiler took
-        self._share_ends = min(max(now + share, time.monotonic() + share / 4), self._ends)
+        # one that is far slower leaves half of the time to the others
+        self._share_ends = max(now + share, 0.5 * (time.monotonic() + self._ends))
         pair = None
         try:
             bits = program.bits(self._step)
             common = self.bits.keys() & bits.keys()
             same = all(bits[name] == self.bits[name] for name in common)
             pair = Pair(self.own, program, more=more, same_bits=same)
+            if not same:  # that is told in any case
+                self._share_ends = math.inf
             for n in range(self.rounds):
+                if n >= _LEAST_ROUNDS and time.monotonic() > now + share:
+                    break
                 pair.add_round(self.batches, own_first=n % 2 == 0)
         except Abandoned:
-            if pair is None or (pair.same_bits and len(pair.ratios) < _LEAST_ROUNDS):
-                return f"it takes longer than the {share:.0f} s that were left for it"
+            if pair is None or len(pair.ratios) < _LEAST_ROUNDS:
+                return f"it takes longer than was left of the {self.max_seconds:g} s (max_seconds)"
         finally:
             self._share_ends = self._ends
             del program.engine  # its buffers are not needed to compile it again

@@ -243,7 +243,7 @@ def test_a_program_that_is_made_for_all_scenes_changes_no_bit(quick, name):
 def test_what_there_is_no_time_for_says_so(bench, monkeypatch):
     own = bench.own.compiled
     monkeypatch.setattr(bench, "_ends", bench.started)
-    assert bench.measure(own) == "the 600 s were over"
+    assert bench.measure(own) == "the 600 s were over (max_seconds)"
     with pytest.raises(pz.RunError, match=r"longer than 1e-06 s \(max_seconds\); give it more"):
         pricing.Pricing(own, 1, plan=NARROW, max_seconds=1e-6)
 
