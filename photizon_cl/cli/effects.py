@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "call"]
 
-_SECONDS = 120.0
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the verb takes."""
@@ -36,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--max-seconds",
         type=number,
         metavar="T",
-        help=f"with --measure: end after T seconds, default {_SECONDS:g}",
+        help="with --measure: end after T seconds, default 120",
     )
     parser.add_argument("--device", metavar="D", help=f"with --measure: {DEVICE}")
     parser.add_argument("--json", action="store_true", help=JSON)
@@ -52,11 +50,12 @@ def call(arguments: argparse.Namespace) -> int:
             raise ArgumentError(f"{option}: found no --measure beside it, and nothing else uses it")
     scene = load_scene(arguments)
     from photizon_cl.cli.tables import console
-    from photizon_cl.run.effects import effects
+    from photizon_cl.run.effects import SECONDS, effects
 
-    seconds = _SECONDS if arguments.max_seconds is None else arguments.max_seconds
+    seconds = arguments.max_seconds
     if arguments.measure:
-        _tell(f"compiling and timing programs of {scene.name}, for at most {seconds:g} s")
+        limit = SECONDS if seconds is None else seconds
+        _tell(f"compiling and timing programs of {scene.name}, for at most {limit:g} s")
     found = effects(scene, arguments.measure, arguments.device, max_seconds=seconds)
     if arguments.json:
         print(json.dumps(found.summary(), indent=2, ensure_ascii=True, allow_nan=False))

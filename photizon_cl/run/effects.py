@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.effects.table import EFFECT_ROWS, EFFECTS
+from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.effects import Effects, EffectUse, ProgramUse
 from photizon_cl.run.batches import with_settings
 from photizon_cl.run.pricing import Pair, Pricing
@@ -21,8 +22,10 @@ if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.scene.model import Scene
 
-__all__ = ["EVERYTHING", "EVERY_EFFECT", "Larger", "effects", "larger_programs"]
+__all__ = ["EVERYTHING", "EVERY_EFFECT", "SECONDS", "Larger", "effects", "larger_programs"]
 
+SECONDS: Final = 120.0
+"""That measuring may take where nobody says."""
 EVERY_EFFECT: Final = "every effect"
 EVERYTHING: Final = "every effect and kind"
 
@@ -90,7 +93,7 @@ def effects(
     measure: bool = False,
     device: DeviceRecord | str | int | None = None,
     *,
-    max_seconds: float = 120.0,
+    max_seconds: float | None = None,
     plan: ExecutionPlan | None = None,
 ) -> Effects:
     """Say what is compiled for a scene and why, what is left out and why, and what each costs.
@@ -108,9 +111,10 @@ def effects(
     measure : bool
         Whether to measure; without, no device is needed.
     device : str, int or DeviceRecord, optional
-        As in `photizon_cl.trace`.
-    max_seconds : float
-        Seconds that measuring may take, but for a program that is being compiled when they end.
+        As in `photizon_cl.trace`; like what follows, for measuring.
+    max_seconds : float, optional
+        Seconds that measuring may take, but for a program that is being compiled when they end;
+        default 120.
     plan : ExecutionPlan, optional
         How a device runs a wave; changes no bit.
 
@@ -133,7 +137,14 @@ def effects(
     >>> found["element.sphere"].because, found["surface.mirror"].because
     ('"wall" is one', 'no element has one')
     """
-    scene = with_settings(load(scene), max_seconds=max_seconds)
+    for name, given in (("device", device), ("max_seconds", max_seconds), ("plan", plan)):
+        if given is not None and not measure:
+            raise ArgumentError(
+                f"{name}: found {show(given)}, expected none without measure=True, since nothing "
+                "else makes use of it"
+            )
+    seconds = SECONDS if max_seconds is None else max_seconds
+    scene = with_settings(load(scene), max_seconds=seconds)
     # when to stop a run is of no matter here, and may name what is left out below
     scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, target_on=None))
     own = compile_scene(scene, scene.run)
@@ -143,7 +154,7 @@ def effects(
     larger = larger_programs(scene)
     optional = [row.name for row in rows if row.optional]
     where = str(device) if isinstance(device, int) else device
-    pricing = Pricing(own, len(optional) + len(larger), where, plan, max_seconds=max_seconds)
+    pricing = Pricing(own, len(optional) + len(larger), where, plan, max_seconds=seconds)
     measured: dict[str, Pair | str] = {}
     for program in larger[:1]:  # that which the time should not be too short for
         measured[program.name] = pricing.measure(program.compiled)

@@ -136,6 +136,13 @@ def test_bad_input_is_one_message(arguments, said, capsys):
     assert captured.out == ""
 
 
+def test_what_is_for_measuring_is_refused_without():
+    with pytest.raises(pz.ArgumentError, match=r'device: found "cpu", expected none without'):
+        pz.effects("box-room", device="cpu")
+    with pytest.raises(pz.ArgumentError, match=r"max_seconds: found 3, expected none without"):
+        pz.effects("box-room", max_seconds=3)
+
+
 # -- measured --------------------------------------------------------------------------------------
 
 
