@@ -23,6 +23,7 @@ from photizon_cl.result.statistics import complete
 from photizon_cl.run.distribution import device_failures, make_engine, open_chosen
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from hostcode.device.device import DeviceRecord
@@ -77,7 +78,7 @@ class _Program:
         return ProgramCost(statistics.median(rates), statistics.median(self.builds), *self.sizes)
 
 
-def _pieces(layout: TallyLayout, cells: NDArray | SparseTally) -> dict[str, SparseTally]:  # type: ignore[type-arg]
+def _pieces(layout: TallyLayout, cells: NDArray[np.int64] | SparseTally) -> dict[str, SparseTally]:
     """Return the pieces of a tally without the cells that are zero, from 0 on each."""
     return {
         name: (
