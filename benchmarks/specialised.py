@@ -98,7 +98,7 @@ def verdicts(data: dict[str, Any], report: Report) -> bool:
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.specialised")
     parser.add_argument("--device")
-    parser.add_argument("--rounds", type=int, default=3 * ROUNDS, help="default %(default)s")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="default %(default)s")
     parser.add_argument(
         "--only", action="append", choices=preset_names(), metavar="PRESET", help="default all"
     )

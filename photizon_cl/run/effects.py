@@ -145,12 +145,12 @@ def effects(
             )
     seconds = SECONDS if max_seconds is None else max_seconds
     scene = with_settings(load(scene), max_seconds=seconds)
-    # when to stop a run is of no matter here, and may name what is left out below
-    scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, target_on=None))
     own = compile_scene(scene, scene.run)
     rows = [_row(name, own) for name in EFFECT_ROWS]
     if not measure:
         return Effects(scene.name, tuple(rows))
+    # when to stop a run is of no matter here, and may name what is left out below
+    scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, target_on=None))
     larger = larger_programs(scene)
     optional = [row.name for row in rows if row.optional]
     where = str(device) if isinstance(device, int) else device

@@ -122,6 +122,7 @@ def test_the_command_prints_json_and_nothing_else(capsys):
     [
         (["nothing"], "nothing"),
         (["box-room", "--set", "element.nothing.radius=2"], "element.nothing.radius"),
+        (["box-room", "--set", 'run.target_on=["far_field"]'], "far_field"),
         (["box-room", "--max-seconds", "3"], "--max-seconds: found no --measure beside it"),
         (["box-room", "--device", "cpu"], "--device: found no --measure beside it"),
         (["box-room", "--measure", "--max-seconds", "0"], "max_seconds: found 0"),
@@ -185,7 +186,8 @@ def test_what_is_optional_has_a_price_and_changes_no_bit(bench, monkeypatch):
         )
 
     monkeypatch.setattr(listing, "_row", few)
-    found = pz.effects(SPHERE, measure=True, plan=NARROW)
+    watching = SPHERE.replace({"run.target_on": ["far_field"]})  # which is left out below
+    found = pz.effects(watching, measure=True, plan=NARROW)
     assert {row.name for row in found if row.price} == {"far-field", "roulette"}
     assert (found["far-field"].in_use, found["roulette"].in_use) == (True, False)
     for row in (found["far-field"], found["roulette"]):
