@@ -29,9 +29,11 @@ if TYPE_CHECKING:
     from photizon_cl.errors import UnknownNameError as UnknownNameError
     from photizon_cl.result.comparison import Comparison as Comparison
     from photizon_cl.result.cost import CostStudy as CostStudy
+    from photizon_cl.result.effects import Effects as Effects
     from photizon_cl.result.paths import Paths as Paths
     from photizon_cl.run.comparing import compare as compare
     from photizon_cl.run.drawing import draw as draw
+    from photizon_cl.run.effects import effects as effects
     from photizon_cl.run.pathing import paths as paths
     from photizon_cl.run.probing import probe as probe
     from photizon_cl.run.recipe import Recipe as Recipe
@@ -62,10 +64,12 @@ _MODULE_OF: Final[dict[str, str]] = {
     "open_result": "photizon_cl.run.result",
     "compare": "photizon_cl.run.comparing",
     "cost": "photizon_cl.studies.costing",
+    "effects": "photizon_cl.run.effects",
     # what comes out
     "Result": "photizon_cl.run.result",
     "Comparison": "photizon_cl.result.comparison",
     "CostStudy": "photizon_cl.result.cost",
+    "Effects": "photizon_cl.result.effects",
     "Paths": "photizon_cl.result.paths",
     "Recipe": "photizon_cl.run.recipe",
     # what goes in, besides the kinds

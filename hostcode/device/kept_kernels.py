@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from hostcode.device.opened import OpenDevice
 
-__all__ = ["are_kept", "build", "digest_of", "keep", "program_key"]
+__all__ = ["are_kept", "build", "build_anew", "digest_of", "keep", "program_key"]
 
 _HEAD: Final = b"photizon kernels 1\n"
 _BINARY: Final = "binary"
@@ -112,6 +112,24 @@ def build(device: OpenDevice, key: str, source: str, options: Sequence[str]) -> 
                 mark=found.mark if found else None,
             )
     return program
+
+
+def build_anew(device: OpenDevice, source: str, options: Sequence[str]) -> cl.Program:
+    """Build a program as if none had been kept, and have none of it kept.
+
+    What is kept stays as it is. Runtimes keep programs by text and options: a macro that no text
+    asks for, and that is another one each time, lets none of them find it.
+
+    Raises
+    ------
+    pyopencl.Error
+        Where the compiler refuses it.
+    """
+    import pyopencl as cl
+
+    with _lock:
+        program = cl.Program(device.context, source)
+        return _built_by_others(program, [*options, f"-DPHOTIZON_{secrets.token_hex(8)}=1"])
 
 
 def _built(program: cl.Program, options: Sequence[str]) -> cl.Program:

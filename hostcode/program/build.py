@@ -6,7 +6,7 @@ import hashlib
 import re
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.device import kept_kernels, single
 from hostcode.errors import KernelBuildError
@@ -38,6 +38,16 @@ class Program:
     def keep(self) -> None:
         """Have the compiled kernels kept; call it when they have run and the device is done."""
         kept_kernels.keep(self.kept)
+
+    def binary_bytes(self) -> int | None:
+        """Return the size of what the compiler made of it; None where the device does not say."""
+        import pyopencl as cl
+
+        try:
+            given: Any = self.built.get_info(cl.program_info.BINARIES)
+            return sum(map(len, given)) or None
+        except (cl.Error, TypeError):
+            return None
 
     def kernel(self, name: str) -> cl.Kernel:
         """Return a new kernel object; keep it, each call makes another."""
@@ -74,7 +84,7 @@ def _build_error(log: str, spec: ProgramSpec) -> KernelBuildError:
     return KernelBuildError(name, line, found["rest"].strip(), f"{excerpt}\n\n{log}")
 
 
-def build(device: OpenDevice, spec: ProgramSpec) -> Program:
+def build(device: OpenDevice, spec: ProgramSpec, *, anew: bool = False) -> Program:
     """Build (or take from this process's cache) the program of a spec on a device.
 
     Parameters
@@ -83,6 +93,9 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
         An open device; programs are cached for each context.
     spec : ProgramSpec
         What the program must do.
+    anew : bool
+        Whether the compiler is to work whatever is kept, to see how long it takes. Nothing of that
+        is kept.
 
     Raises
     ------
@@ -96,22 +109,27 @@ def build(device: OpenDevice, spec: ProgramSpec) -> Program:
     import pyopencl as cl
 
     key = (device.context.int_ptr, spec)
-    if key in _CACHE:
+    if key in _CACHE and not anew:
         return _CACHE[key]
     source = program_source(spec)
     if spec.real == "float":
         single.trust(device)
     options = single.options_of(device, spec.real)
     digest = hashlib.sha256("\0".join((source, *options)).encode()).hexdigest()
-    if (same := _BUILT.get((key[0], digest))) is not None:
+    if (same := _BUILT.get((key[0], digest))) is not None and not anew:
         _CACHE[key] = replace(same, spec=spec, build_seconds=0.0)
         return _CACHE[key]
     started = time.perf_counter()
-    kept = kept_kernels.program_key(device, source, options)
+    kept = "" if anew else kept_kernels.program_key(device, source, options)
     try:
-        built = kept_kernels.build(device, kept, source, options)
+        if anew:
+            built = kept_kernels.build_anew(device, source, options)
+        else:
+            built = kept_kernels.build(device, kept, source, options)
     except cl.RuntimeError as error:
         raise _build_error(str(error), spec) from error
     made = Program(spec, source, digest, time.perf_counter() - started, built, kept)
+    if anew:
+        return made
     _CACHE[key] = _BUILT[key[0], digest] = made
     return made

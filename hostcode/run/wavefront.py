@@ -94,6 +94,8 @@ class Engine:
         What: the scene, and the settings of its stream (``tables.launch``).
     plan : ExecutionPlan
         How; changes no bit of the result.
+    anew : bool
+        Whether its programs are compiled whatever is kept of them, see `build`.
 
     Raises
     ------
@@ -101,7 +103,9 @@ class Engine:
         Where the program cannot be built.
     """
 
-    def __init__(self, device: OpenDevice, tables: DeviceTables, plan: ExecutionPlan) -> None:
+    def __init__(
+        self, device: OpenDevice, tables: DeviceTables, plan: ExecutionPlan, *, anew: bool = False
+    ) -> None:
         import pyopencl as cl
 
         self._cl = cl
@@ -119,10 +123,10 @@ class Engine:
             private_tallies=self._copies > 0,
             cached_bytes=plan.cached_bytes,
         )
-        self.program: Program = build(device, spec)
+        self.program: Program = build(device, spec, anew=anew)
         self._programs = [self.program]
         if spec.records:
-            self._programs.append(build(device, spec.for_tally()))
+            self._programs.append(build(device, spec.for_tally(), anew=anew))
         self._queue = Queue(device, spec, self._items, sizes.capacity)
         allocate, upload = self._allocate, self._upload
         self._scene = [
@@ -240,6 +244,14 @@ class Engine:
         for program in self._programs:
             program.keep()
         return time.perf_counter() - started
+
+    @property
+    def program_sizes(self) -> tuple[int, int | None]:
+        """Bytes of the programs' text, and of what was made of it where the device says."""
+        made = [program.binary_bytes() for program in self._programs]
+        known = [size for size in made if size is not None]
+        text = sum(len(program.source.encode()) for program in self._programs)
+        return text, sum(known) if len(known) == len(made) else None
 
     # -- running -------------------------------------------------------------------------------
 

@@ -59,6 +59,11 @@ VERBS: Final = (
         "show what accuracy costs in time: settings, σ, bias, seconds",
         "photizon_cl.cli.cost",
     ),
+    (
+        "effects",
+        "show what is compiled for a scene and why, and measure what it costs",
+        "photizon_cl.cli.effects",
+    ),
     ("recipe", "print a token that reproduces a run bit for bit", "photizon_cl.cli.recipe"),
     ("report", "write a saved result as one self-contained HTML page", "photizon_cl.cli.report"),
     ("show", "draw a scene with traced ray paths", "photizon_cl.cli.show"),

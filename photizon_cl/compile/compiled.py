@@ -13,6 +13,7 @@ from hostcode.run.tables import DeviceTables
 from hostcode.run.tally import image
 from photizon_cl.compile.draft import Draft
 from photizon_cl.compile.effects.table import EFFECTS
+from photizon_cl.compile.kinds import ALL_KINDS, Kinds
 from photizon_cl.compile.layout import lay_out
 from photizon_cl.compile.packing import (
     codes_by_class,
@@ -96,7 +97,9 @@ def compile_scene(
     settings: RunSettings,
     force: frozenset[str] = frozenset(),
     without: frozenset[str] = frozenset(),
+    *,
     precision: str = FP64.name,
+    general: bool = False,
 ) -> CompiledScene:
     """Compile a scene.
 
@@ -107,13 +110,17 @@ def compile_scene(
     settings : RunSettings
         How it is run; may differ from ``scene.run``.
     force : frozenset of str
-        Effects compiled in although the scene does not need them, where that is possible. They
-        change no other number: one with cells or rows of its own adds those to the tally.
+        Effects compiled in although the scene does not need them, where that is possible, and kinds
+        (``element.sphere``) although no object is one. They change no other number: one with cells
+        or rows of its own adds those to the tally.
     without : frozenset of str
         Effects left out although the scene would have them. Only for one that changes no bit of the
         answer, as `acceleration`.
     precision : str
         What the kernels compute in, one of `hostcode.program.precision.PRECISIONS`.
+    general : bool
+        Whether to make no use of there being one of something, or few elements, as a program that
+        is made for all scenes must not. It changes no number.
 
     Raises
     ------
@@ -149,11 +156,12 @@ def compile_scene(
         effect.prepare(draft, forced=reason == _FORCED)
 
     effects = [effect for effect, _ in used]
-    stride = draft.strides = strides(scene, effects)
-    draft.classes, class_of = element_classes(scene, draft.all_tilted)
+    kinds = Kinds.of(scene, force, general=general)
+    stride = draft.strides = strides(kinds, effects)
+    draft.classes, class_of = element_classes(scene, kinds, draft.all_tilted)
     materials, draft.material_of = material_table(scene, stride)
-    surfaces = surface_kinds(scene, draft.material_of)
-    sources = source_kinds(scene)
+    surfaces = surface_kinds(scene, kinds, draft.material_of)
+    sources = source_kinds(scene, kinds)
     draft.element_codes = element_codes(scene, class_of, surfaces, draft.coincident)
     draft.geometry = geometry_table(draft, class_of, stride, effects)
     parts = [replace(effect.parts(draft), effect=effect.name) for effect, _ in used]
@@ -164,10 +172,10 @@ def compile_scene(
         forms=draft.forms,
         effects=frozenset(effect.name for effect, _ in used if effect.in_text),
         parts=tuple(parts),
-        columns=columns(scene, effects, stride),
+        columns=columns(kinds, effects, stride),
         strides=stride,
         ledger=tuple(row.name for row in layout.rows),
-        n_elements=len(scene.element) if len(scene.element) <= MAX_REGISTER_ELEMENTS else 0,
+        n_elements=len(scene.element) if kinds.few(MAX_REGISTER_ELEMENTS) else 0,
         real=mode.real,
         weight=mode.weight,
     )
@@ -184,7 +192,9 @@ def compile_scene(
         n_cells=layout.n_cells,
     )
     emitted = sum(n * image(w) for n, w in zip(rays, weights, strict=True))
-    reasons = {**_kinds_in_use(scene), **{effect.name: reason for effect, reason in used}}
+    reasons = {name: _FORCED for name in ALL_KINDS if name in force}
+    reasons |= _kinds_in_use(scene)
+    reasons |= {effect.name: reason for effect, reason in used}
     return CompiledScene(
         scene, settings, tables, layout, reasons, rays, unit_power, emitted, shift, mode
     )
@@ -210,7 +220,8 @@ def _fill(draft: Draft, used: list[tuple[Effect, str]], spec: ProgramSpec) -> No
         first.setdefault(element.surface.kernel, at)
     for effect, _ in used:
         effect.assemble(draft)
-    draft.launch["material_of_kind"] = draft.add_codes(first[s.kind] for s in spec.surfaces)
+    # of a kind that no element has, nothing is ever read
+    draft.launch["material_of_kind"] = draft.add_codes(first.get(s.kind, 0) for s in spec.surfaces)
     for group in layout.groups:
         draft.launch[group.effect.replace("-", "_")] = group.first
 
@@ -228,7 +239,9 @@ def _effects_in_use(
     roundoff: float,
 ) -> list[tuple[Effect, str]]:
     """Ask every effect whether the scene needs it; return those in use, and why."""
-    unknown = (force | without) - {effect.name for effect in EFFECTS}
+    kinds = [kind for name, kind in ALL_KINDS.items() if name in force]
+    force |= {effect.name for effect in EFFECTS if any(map(effect.serves, kinds))}
+    unknown = (force - ALL_KINDS.keys() | without) - {effect.name for effect in EFFECTS}
     if unknown:
         raise ArgumentError(
             f"no effect {', '.join(sorted(unknown))}: expected some of "

@@ -261,6 +261,20 @@ class TallyLayout:
         return self.n_elements + len(self.rows)
 
     @property
+    def pieces(self) -> dict[str, tuple[int, int]]:
+        """First cell and number of the cells of each piece, by names that layouts share.
+
+        Two programs of a scene have a piece of the same name in common, wherever it stands.
+        """
+        found = {"absorbed": (0, self.n_elements)}
+        found |= {f"row {row.name}": (self.row(row.name), 1) for row in self.rows}
+        for d in self.detectors:
+            found[f"detector {d.element}"] = (d.power, 1)
+            found |= {f"detector {d.element} {t.name}": (t.first, t.size) for t in d.tallies}
+        found |= {f"effect {group.effect}": (group.first, group.size) for group in self.groups}
+        return {**found, "interactions": (self.interactions, 1)}
+
+    @property
     def scalars(self) -> tuple[tuple[int, int], ...]:
         """First cell and number of the cells whose batches are kept one by one, ascending.
 

@@ -11,6 +11,7 @@ from hostcode.program.codes import decode, encode
 from hostcode.program.spec import CACHE_LINE, ElementClass, SourceKind, Strides, SurfaceKind
 from photizon_cl.errors import ArgumentError
 from photizon_cl.geometry.placing import bounded, moved
+from photizon_cl.scene.elements import Element
 from photizon_cl.scene.frames import axis_index
 from photizon_cl.scene.rows import Row
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from hostcode.run.tables import DeviceTables
     from photizon_cl.compile.draft import Draft
     from photizon_cl.compile.effects.base import Effect
-    from photizon_cl.scene.elements.base import Element
+    from photizon_cl.compile.kinds import Kinds
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.surfaces.base import Surface
 
@@ -48,34 +49,34 @@ def _rows(things: Any) -> list[Row]:
     return list(dict.fromkeys(thing.row for thing in things))
 
 
-def strides(scene: Scene, effects: Sequence[Effect]) -> Strides:
-    """Return the lengths of the tables' rows: those of the longest kind in use.
+def strides(kinds: Kinds, effects: Sequence[Effect]) -> Strides:
+    """Return the lengths of the tables' rows: those of the longest kind that is compiled in.
 
     Behind the columns of an element's kind come those of the effects in use, then its frame.
     """
-    element = max((len(e.row) for e in scene.element), default=0) + len(POSITION)
+    element = max((len(e.row) for e in kinds.elements), default=0) + len(POSITION)
     element += sum(len(effect.row) for effect in effects)
-    source = max(len(s.row) for s in scene.source) + len(SOURCE)
+    source = max(len(s.row) for s in kinds.sources) + len(SOURCE)
     line = CACHE_LINE // 8
     return Strides(
         row=-(-(element + _FRAME) // line) * line,
         row_frame=element,
-        material=max((len(e.surface.row) for e in scene.element), default=0),
+        material=max((len(s.row) for s in kinds.surfaces), default=0),
         source=source + _FRAME,
         source_frame=source,
     )
 
 
 def columns(
-    scene: Scene, effects: Sequence[Effect], stride: Strides
+    kinds: Kinds, effects: Sequence[Effect], stride: Strides
 ) -> tuple[tuple[str, int], ...]:
     """Return the kernels' names of the columns in use, and their places in a row."""
     found = {**POSITION.constants(0), **SOURCE.constants(0)}
     groups: tuple[tuple[Sequence[Any], int], ...] = (
         *_places(effects, stride),
-        (scene.element, len(POSITION)),
-        ([e.surface for e in scene.element], 0),
-        (scene.source, len(SOURCE)),
+        (kinds.elements, len(POSITION)),
+        (kinds.surfaces, 0),
+        (kinds.sources, len(SOURCE)),
     )
     for things, first in groups:
         for row in _rows(things):
@@ -99,12 +100,16 @@ def _places(effects: Sequence[Effect], stride: Strides) -> Iterator[tuple[list[E
 # -- sources -------------------------------------------------------------------------------------
 
 
-def source_kinds(scene: Scene) -> tuple[SourceKind, ...]:
-    """Return the source kinds in use, by name."""
-    kinds = sorted({(s.kernel, s.option, s.draws_position, s.libraries) for s in scene.source})
+def source_kinds(scene: Scene, kinds: Kinds) -> tuple[SourceKind, ...]:
+    """Return the source kinds that are compiled in, by name."""
+    found = {(s.kernel, s.option, s.draws_position, s.libraries) for s in scene.source}
+    used = {kernel for kernel, *_ in found}
+    found |= {
+        (s.kernel, "", s.draws_position, s.libraries) for s in kinds.sources if s.kernel not in used
+    }
     return tuple(
         SourceKind(stem, option, n, draws, libraries)
-        for n, (stem, option, draws, libraries) in enumerate(kinds)
+        for n, (stem, option, draws, libraries) in enumerate(sorted(found))
     )
 
 
@@ -144,19 +149,23 @@ def source_table(
 
 
 def element_classes(
-    scene: Scene, all_tilted: bool
+    scene: Scene, kinds: Kinds, all_tilted: bool
 ) -> tuple[tuple[ElementClass, ...], list[ElementClass]]:
-    """Return the classes of a scene's elements in order, and the class of each element."""
+    """Return the classes that are compiled in, in order, and the class of each element."""
     keys: list[tuple[str, int | None, bool]] = []
-    example: dict[tuple[str, int | None, bool], Element] = {}
+    example: dict[tuple[str, int | None, bool], type[Element]] = {}
     for e in scene.element:
         key = (e.kernel, None if all_tilted else e.class_axis, e.opening)
         keys.append(key)
-        example.setdefault(key, e)
+        example.setdefault(key, type(e))
+    used = {kernel for kernel, *_ in keys}
+    for kind in kinds.elements:
+        if kind.kernel not in used:  # in its most general form
+            example[kind.kernel, None, kind.opening is not Element.opening] = kind
     order = sorted(example, key=lambda k: (k[0], -1 if k[1] is None else k[1], k[2]))
     classes = {}
     for n, key in enumerate(order):
-        cls, (kernel, axis, opening) = type(example[key]), key
+        cls, (kernel, axis, opening) = example[key], key
         classes[key] = ElementClass(
             kind=kernel,
             templates=cls.templates,
@@ -166,7 +175,7 @@ def element_classes(
             axis=axis,
             opening=opening,
             traits=cls.traits,
-            single=cls.alone and keys.count(key) == 1,
+            single=cls.alone and keys.count(key) == 1 and not kinds.general,
             number=n,
         )
     return tuple(classes.values()), [classes[key] for key in keys]
@@ -229,7 +238,8 @@ def codes_in_order(
     with_material = [
         row << 32 | code & 0xFFFFFFFF for code, row in zip(codes, material_of, strict=True)
     ]
-    return [first[cls.number] for cls in classes] + [tree] + with_material
+    # of a class without elements nothing is ever read
+    return [first.get(cls.number, 0) for cls in classes] + [tree] + with_material
 
 
 def code_of(tables: DeviceTables, element: int) -> int:
@@ -278,22 +288,25 @@ def material_table(scene: Scene, stride: Strides) -> tuple[list[float], list[int
     return [x for _, row in rows for x in row], of_element
 
 
-def surface_kinds(scene: Scene, material_of: list[int]) -> tuple[SurfaceKind, ...]:
-    """Return the surface kinds in use, by name."""
-    rows: dict[str, set[int]] = {}
-    made: dict[str, Surface] = {}
+def surface_kinds(scene: Scene, kinds: Kinds, material_of: list[int]) -> tuple[SurfaceKind, ...]:
+    """Return the surface kinds that are compiled in, by name."""
+    rows: dict[str, set[int]] = {cls.kernel: set() for cls in kinds.surfaces}
+    made: dict[str, Surface | type[Surface]] = {}
     for element, at in zip(scene.element, material_of, strict=True):
         kernel = element.surface.kernel
         rows.setdefault(kernel, set()).add(at)
         surface = made.get(kernel, element.surface)
         made[kernel] = element.surface if element.surface.splits else surface
+    for cls in kinds.surfaces:
+        made.setdefault(cls.kernel, cls)
     return tuple(
         SurfaceKind(
             kind,
             n,
-            single=len(rows[kind]) == 1,
+            single=len(rows[kind]) == 1 and not kinds.general,
             absorbs=made[kind].absorbs,
-            splits=made[kind].splits,
+            # of a class whose objects each say it, what the most that they say is
+            splits=made[kind].splits is not False,
             counts=made[kind].counts,
             refracts=made[kind].refracts,
             libraries=made[kind].libraries,

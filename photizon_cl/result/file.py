@@ -319,4 +319,4 @@ def _compiled(file: Path, scene: Scene, tallied: set[str], precision: str) -> Co
     newer = frozenset(having - tallied)
     if not newer:
         return compiled
-    return compile_scene(scene, scene.run, known, newer, precision)
+    return compile_scene(scene, scene.run, known, newer, precision=precision)

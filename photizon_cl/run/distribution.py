@@ -131,9 +131,13 @@ def open_chosen(device: DeviceRecord | str | None) -> OpenDevice:
 
 
 def make_engine(
-    device: DeviceRecord | str | None, tables: DeviceTables, plan: ExecutionPlan | None
+    device: DeviceRecord | str | None,
+    tables: DeviceTables,
+    plan: ExecutionPlan | None,
+    *,
+    anew: bool = False,
 ) -> Engine:
-    """Return an engine on a chosen device.
+    """Return an engine on a chosen device; `anew` compiles its programs whatever is kept of them.
 
     Raises
     ------
@@ -145,7 +149,7 @@ def make_engine(
     plan = plan or usual_plan(record, tables)
     _check_buffers(record, Sizes.of(tables, plan))
     with device_failures(record.label):
-        return Engine(opened, tables, plan)
+        return Engine(opened, tables, plan, anew=anew)
 
 
 def _check_buffers(record: DeviceRecord, sizes: Sizes) -> None:

@@ -8,11 +8,12 @@ import re
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks import builds, cells, digests, facts, throughput
+from benchmarks import builds, cells, digests, facts, specialised, throughput
 from benchmarks.report import Report, Spread, table
 from benchmarks.runner import Runner, compiled_preset
 from hostcode.device.device import preferred_lanes
 from hostcode.program.plan import default_plan
+from photizon_cl.run.effects import EVERY_EFFECT, EVERYTHING
 from photizon_cl.scene.presets import preset_names
 
 TINY = throughput.Settings(
@@ -166,3 +167,20 @@ def test_spread_and_table():
 def test_an_unknown_device_is_said_and_not_raised(capsys):
     assert command.main(["--device", "no such device"]) == 2
     assert "no such device" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("slowdown", "same_bits", "holds"), [(2.5, True, True), (1.9, True, False), (2.5, False, False)]
+)
+def test_a_specialised_program_that_gains_too_little_or_differs_is_told(slowdown, same_bits, holds):
+    ratio = {"median": slowdown, "low": 1.8, "high": 2.6, "rounds": 3}
+    prices = {
+        EVERYTHING: {"slowdown": ratio, "same_bits": same_bits},
+        EVERY_EFFECT: {"slowdown": {**ratio, "median": 1.2}, "same_bits": True},
+    }
+    report = Report(quiet=True)
+    assert specialised.verdicts({"box-room": prices}, report) == holds
+    said = "\n".join(report.kept)
+    assert f"{EVERYTHING}: {slowdown:.2f} [1.80–2.60], wanted ≥ 2" in said
+    assert f"{EVERY_EFFECT}: 1.20" in said
+    assert ("FAILS" in said) != holds

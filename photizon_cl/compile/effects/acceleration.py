@@ -25,11 +25,16 @@ class Acceleration(Effect):
         "box tests instead of element tests; the plain scan is faster for few elements"
     )
     in_text: ClassVar[bool] = True
+    removable: ClassVar[bool] = True
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """From a number of elements on."""
         n = len(scene.element)
         return f"{n} elements are more than {BREAK_EVEN - 1}" if n >= BREAK_EVEN else None
+
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return f"there are fewer than {BREAK_EVEN} elements: {len(scene.element)}"
 
     def possible(self, scene: Scene) -> bool:
         """Not without elements."""

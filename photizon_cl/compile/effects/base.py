@@ -16,6 +16,7 @@ from photizon_cl.scene.rows import NO_ROW
 if TYPE_CHECKING:
     from photizon_cl.compile.draft import Draft
     from photizon_cl.compile.layout import LedgerRow
+    from photizon_cl.scene.described import Described
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.rows import Row
     from photizon_cl.scene.settings import RunSettings
@@ -37,6 +38,8 @@ class Effect(ABC):
     """What the device does more because of it, in one line."""
     in_text: ClassVar[bool] = False
     """Whether kernels ask for it by name (``"name" in effects``)."""
+    removable: ClassVar[bool] = False
+    """Whether a scene that needs it has the same numbers without it, but for those of its own."""
 
     row: ClassVar[Row] = NO_ROW
     """Columns that it adds to every element's row in the geometry table."""
@@ -52,9 +55,20 @@ class Effect(ABC):
         """Return the same for coordinates of some unit roundoff, where that makes a difference."""
         return self.needed(scene, settings)
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Return why a scene, run so, does without it, as a clause behind "because".
+
+        Asked where `needed` gives None.
+        """
+        return "nothing in the scene calls for it"
+
     def possible(self, scene: Scene) -> bool:
         """Say whether it can be forced on in a scene that does not need it."""
         return True
+
+    def serves(self, kind: type[Described]) -> bool:
+        """Say whether a kind's kernel may ask for it, whatever the values of its objects are."""
+        return False
 
     def rows(self, scene: Scene) -> tuple[LedgerRow, ...]:
         """Return the rows that it adds to the ledger."""

@@ -27,6 +27,12 @@ class Choice(Effect):
             return None
         return f'splitting is false, and a ray that meets "{named.name}" could go on as two'
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say whether nothing splits, or both children are followed."""
+        if scene.splitter is None:
+            return "no surface splits"
+        return "splitting is true: both children are followed"
+
     def possible(self, scene: Scene) -> bool:
         """Say whether nothing splits: where something does, the settings alone say which."""
         return scene.splitter is None

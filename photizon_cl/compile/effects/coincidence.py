@@ -40,6 +40,10 @@ class Coincidence(Effect):
         a, b = (scene.element[n].name for n in pair)
         return f'"{a}" and "{b}" have faces in one place'
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "no two elements have faces in one place, or it is clear which comes first"
+
     def possible(self, scene: Scene) -> bool:
         """Not without elements."""
         return bool(scene.element)

@@ -34,6 +34,10 @@ class Contact(Effect):
         touching = in_contact(Neighbours(scene.element, roundoff), scene.source)
         return "elements touch, cross, or meet at an outer edge" if touching else None
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "no elements touch or cross, or only at edges as the walls of a room do"
+
     def parts(self, draft: Draft) -> EffectParts:
         """Return the notes, and the last way of any length."""
         words, bits = note_size(draft.near)

@@ -28,6 +28,10 @@ class Detector(Effect):
         named = next((e for e in scene.element if e.detector is not None), None)
         return f'"{named.name}" has a detector' if named else None
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "no element has a detector"
+
     def possible(self, scene: Scene) -> bool:
         """Not without a detector."""
         return any(e.detector is not None for e in scene.element)

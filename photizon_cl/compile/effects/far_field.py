@@ -20,10 +20,15 @@ class FarField(Effect):
     name: ClassVar[str] = "far-field"
     what: ClassVar[str] = "what escapes is binned by direction"
     costs: ClassVar[str] = "a terminal record and an exact-edge search an escape"
+    removable: ClassVar[bool] = True
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Where the scene asks for it."""
         return "the scene has a [far_field]" if scene.far_field is not None else None
+
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "the scene has no [far_field]"
 
     def possible(self, scene: Scene) -> bool:
         """Not without bins."""

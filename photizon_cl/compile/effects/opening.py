@@ -23,6 +23,10 @@ class Opening(Effect):
         named = next((e for e in scene.element if e.opening), None)
         return f'"{named.name}" has an opening' if named else None
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "no element has an opening"
+
     def possible(self, scene: Scene) -> bool:
         """Not without an opening: it is a part of such an element's own text."""
         return False

@@ -31,6 +31,11 @@ class Roulette(Effect):
         asked = settings.roulette_floor == floor
         return f"roulette_floor is {floor:g}" + ("" if asked else ", as rays split")
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say that there is no floor."""
+        asked = settings.roulette_floor == 0.0
+        return "roulette_floor is 0" + ("" if asked else ", as no ray splits")
+
     def parts(self, draft: Draft) -> EffectParts:
         """Return the play, and the launched weight that the floor is a fraction of."""
         launched = RayField("launched", "weight", "w", "weight as launched", "weight_splat(0.0)")

@@ -28,6 +28,10 @@ class Shares(Effect):
         least = min(zip(weights, scene.source, strict=True), key=lambda pair: pair[0])
         return f'a ray of "{least[1].name}" weighs {least[0]:.3g} of the heaviest'
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "all rays weigh the same"
+
     def prepare(self, draft: Draft, *, forced: bool) -> None:
         """Have rays remember their launched weight where it matters."""
         draft.weights_differ = True

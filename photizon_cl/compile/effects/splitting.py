@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, ClassVar
 from hostcode.program.fields import RayField
 from hostcode.program.spec import EffectParts
 from photizon_cl.compile.effects.base import Effect
+from photizon_cl.scene.surfaces import Surface
 
 if TYPE_CHECKING:
     from photizon_cl.compile.draft import Draft
+    from photizon_cl.scene.described import Described
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.settings import RunSettings
 
@@ -27,6 +29,14 @@ class Splitting(Effect):
         if named is None or not settings.splitting:
             return None
         return f'a ray that meets "{named.name}" goes on as two'
+
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "no surface sends a ray on as two"
+
+    def serves(self, kind: type[Described]) -> bool:
+        """Where an object of it may split."""
+        return issubclass(kind, Surface) and kind.splits is not False
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the path position that every draw is keyed by."""

@@ -18,7 +18,7 @@ from photizon_cl.compile.effects.shares import Shares
 from photizon_cl.compile.effects.splitting import Splitting
 from photizon_cl.compile.effects.tallies import Ladder, Map
 from photizon_cl.compile.effects.tilt import Tilt
-from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
+from photizon_cl.compile.kinds import ALL_KINDS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -55,21 +55,19 @@ class EffectRow:
         ``group.kind`` for the kinds of the registry, a word for the others.
     what, costs : str
         What it does, and what the device does more because of it, in one line each.
+    group : str
+        ``source``, ``element`` or ``surface`` for a kind, ``effect`` for an effect.
     """
 
     name: str
     what: str
     costs: str
+    group: str
 
 
 def _rows() -> dict[str, EffectRow]:
-    groups = (("source", SOURCES), ("element", ELEMENTS), ("surface", SURFACES))
-    rows = [
-        EffectRow(f"{group}.{kind}", cls.does, cls.costs)
-        for group, kinds in groups
-        for kind, cls in kinds.items()
-    ]
-    rows += [EffectRow(effect.name, effect.what, effect.costs) for effect in EFFECTS]
+    rows = [EffectRow(name, cls.does, cls.costs, cls.label) for name, cls in ALL_KINDS.items()]
+    rows += [EffectRow(effect.name, effect.what, effect.costs, "effect") for effect in EFFECTS]
     return {row.name: row for row in rows}
 
 

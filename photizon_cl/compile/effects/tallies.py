@@ -23,6 +23,10 @@ class _Tally(Effect):
                     return f'the detector on "{element.name}" has one'
         return None
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "no detector has one"
+
     def possible(self, scene: Scene) -> bool:
         """Not without such a detector."""
         return False

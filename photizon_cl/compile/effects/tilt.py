@@ -25,6 +25,10 @@ class Tilt(Effect):
         named += [s.name for s in scene.source if getattr(s, "tilt_deg", (0.0, 0.0)) != (0.0, 0.0)]
         return f'"{named[0]}" is turned off the axes' if named else None
 
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "nothing is turned off the axes"
+
     def prepare(self, draft: Draft, *, forced: bool) -> None:
         """Take every element as turned, where it is forced on."""
         draft.all_tilted = forced
