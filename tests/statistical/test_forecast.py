@@ -217,6 +217,19 @@ def test_the_latest_is_shown_and_an_early_one_kept(room):
         assert (again.kept is not kept) == anew
 
 
+def test_what_is_left_is_the_rest_of_what_was_told():
+    seen = []
+    pz.trace("box-room", batches=400, rays_per_batch=2048, progress=seen.append)
+    told = [now for now in seen if now.forecast is not None]
+    assert told
+    for now in told:
+        if now.batches == 400:
+            break
+        rest = max(now.forecast.seconds - now.seconds, 0.0)
+        assert now.eta_seconds == pytest.approx(rest)
+    assert seen[-1].eta_seconds == 0.0
+
+
 def test_it_is_kept(tmp_path):
     seen = []
     found = pz.trace("box-room", target=0.05, rays_per_batch=2048, progress=seen.append)
