@@ -148,8 +148,24 @@ def test_of_very_many_bins_some_of_every_column_are_looked_at():
 def test_a_number_of_batches_is_told_by_the_pace(room):
     found = told(room, Goal(90, None, None), 3.0)
     assert (found.after_batches, found.seconds) == (9, pytest.approx(30.0))
-    assert found.low == pytest.approx(3.0 + (90.0 * math.exp(-0.2) - 9.0) / 3.0)
-    assert found.high == pytest.approx(3.0 + (90.0 * math.exp(0.2) - 9.0) / 3.0)
+    # what passed is known; the pace of what is left is, to 10 %
+    assert found.low == pytest.approx(3.0 + 27.0 * math.exp(-0.2))
+    assert found.high == pytest.approx(3.0 + 27.0 * math.exp(0.2))
+
+
+def test_the_interval_holds_what_batches_and_pace_may_do(room):
+    """Of a target both, in quadrature, each end at the end of a step."""
+    layout = room.compiled.layout
+    wanted, spread = batches_needed(layout, room.tally, 0.03)
+    outlook = Outlook(Goal(None, 0.03, None), 0.0, 6, None)
+    outlook.note(layout, room.tally, 9.0)
+    found = outlook.latest
+    middle = 3.0 * math.ceil((wanted - 9.0) / 3.0)
+    for sign, end in ((-1.0, found.low), (1.0, found.high)):
+        other = 3.0 * math.ceil((wanted * math.exp(sign * 2.0 * spread) - 9.0) / 3.0)
+        off = math.hypot(other - middle, middle * (math.exp(sign * 0.2) - 1.0))
+        assert end == pytest.approx(9.0 + middle + sign * off)
+    assert found.low < found.seconds < found.high
 
 
 def test_the_first_batches_say_nothing_of_the_pace(room):
