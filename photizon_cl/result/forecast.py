@@ -172,13 +172,15 @@ class Outlook:
         passed, pace = self.before + elapsed, self._pace(tally, elapsed)
         most = math.inf if goal.batches is None else goal.batches - n
 
-        def left(wanted: float) -> float:
-            # what is under way together ends together
-            return min(math.ceil(max(wanted - n, 0.0) / step) * step, most)
+        def left(wanted: float, of_step: float) -> float:
+            # what is under way together ends together: up to a step later than it is wanted
+            more = max(wanted - n, 0.0) + of_step * (step - 1)
+            return min(more, most)
 
-        middle, ends = left(batches), [passed + pace * left(batches)]
-        for sign in (-1.0, 1.0):
-            by_batches = left(batches * math.exp(sign * _SIDES * spread)) - middle
+        middle = left(batches, 0.5)
+        ends = [passed + pace * middle]
+        for sign, of_step in ((-1.0, 0.0), (1.0, 1.0)):
+            by_batches = left(batches * math.exp(sign * _SIDES * spread), of_step) - middle
             by_pace = middle * (math.exp(sign * _SIDES * _PACE) - 1.0)
             off = sign * math.hypot(by_batches, by_pace)
             ends.append(passed + pace * max(middle + off, 0.0))
