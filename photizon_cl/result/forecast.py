@@ -169,17 +169,21 @@ class Outlook:
             batches, spread = float(goal.batches), 0.0
         if not math.isfinite(batches):
             return None
-        passed = self.before + elapsed
-        pace = self._pace(tally, elapsed)
-        factor = math.exp(_SIDES * math.hypot(spread, _PACE))
+        passed, pace = self.before + elapsed, self._pace(tally, elapsed)
         most = math.inf if goal.batches is None else goal.batches - n
-        ends = []
-        for by in (1.0, 1.0 / factor, factor):
-            left = max(batches * by - n, 0.0)
-            # what is under way together ends together
-            whole = min(math.ceil(left / step) * step, most) if by == 1.0 else left
-            ends.append(passed + pace * whole)
-        ends[1], ends[2] = min(ends[0], ends[1]), max(ends[0], ends[2])
+
+        def left(wanted: float, of_step: float) -> float:
+            # what is under way together ends together: up to a step later than it is wanted
+            more = max(wanted - n, 0.0) + of_step * (step - 1)
+            return min(more, most)
+
+        middle = left(batches, 0.5)
+        ends = [passed + pace * middle]
+        for sign, of_step in ((-1.0, 0.0), (1.0, 1.0)):
+            by_batches = left(batches * math.exp(sign * _SIDES * spread), of_step) - middle
+            by_pace = middle * (math.exp(sign * _SIDES * _PACE) - 1.0)
+            off = sign * math.hypot(by_batches, by_pace)
+            ends.append(passed + pace * max(middle + off, 0.0))
         if goal.max_seconds is not None:
             # the promise of a run that its time ends
             last = self.before + goal.max_seconds

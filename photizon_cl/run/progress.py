@@ -105,7 +105,8 @@ class Progress:
     interactions_per_second : float
         In this call.
     eta_seconds : float or None
-        Time left, as far as it can be told: σ falls with the square root of the batches.
+        Time left, as far as it can be told: the forecast's, and before there is one by σ, which
+        falls with the square root of the batches.
     forecast : Forecast or None
         How long the run takes in all, as told last; an earlier one is kept with the result.
     """
@@ -143,6 +144,8 @@ class Progress:
             left.append(max(needed - tally.batches, 0.0) * pace)
         if goal.max_seconds is not None:
             left.append(max(goal.max_seconds - seconds, 0.0))
+        if forecast is not None and left and min(left) > 0.0:  # which knows better
+            left = [max(forecast.seconds - info.seconds - seconds, 0.0)]
         return cls(
             batches=tally.batches,
             goal_batches=goal.batches,

@@ -148,8 +148,24 @@ def test_of_very_many_bins_some_of_every_column_are_looked_at():
 def test_a_number_of_batches_is_told_by_the_pace(room):
     found = told(room, Goal(90, None, None), 3.0)
     assert (found.after_batches, found.seconds) == (9, pytest.approx(30.0))
-    assert found.low == pytest.approx(3.0 + (90.0 * math.exp(-0.2) - 9.0) / 3.0)
-    assert found.high == pytest.approx(3.0 + (90.0 * math.exp(0.2) - 9.0) / 3.0)
+    # what passed is known; the pace of what is left is, to 10 %
+    assert found.low == pytest.approx(3.0 + 27.0 * math.exp(-0.2))
+    assert found.high == pytest.approx(3.0 + 27.0 * math.exp(0.2))
+
+
+def test_the_interval_holds_what_batches_and_pace_may_do(room):
+    """Of a target both, in quadrature, and where in a step of 3 batches it is met."""
+    layout = room.compiled.layout
+    wanted, spread = batches_needed(layout, room.tally, 0.03)
+    outlook = Outlook(Goal(None, 0.03, None), 0.0, 6, None)
+    outlook.note(layout, room.tally, 9.0)
+    found = outlook.latest
+    middle = wanted - 9.0 + 1.0
+    for sign, later, end in ((-1.0, 0.0, found.low), (1.0, 2.0, found.high)):
+        other = max(wanted * math.exp(sign * 2.0 * spread) - 9.0, 0.0) + later
+        off = math.hypot(other - middle, middle * (math.exp(sign * 0.2) - 1.0))
+        assert end == pytest.approx(9.0 + middle + sign * off)
+    assert found.low < found.seconds < found.high
 
 
 def test_the_first_batches_say_nothing_of_the_pace(room):
@@ -163,13 +179,12 @@ def test_the_first_batches_say_nothing_of_the_pace(room):
 
 
 def test_batches_under_way_together_end_together(room):
-    """Of steps of 4 batches, whose last is not cut short; a fixed number of batches cuts it."""
+    """Up to 3 batches late in steps of 4, half of that on average; a fixed number cuts the last."""
     layout = room.compiled.layout
     wanted, _ = batches_needed(layout, room.tally, 0.02)
     outlook = Outlook(Goal(None, 0.02, None), 0.0, 5, None)
     outlook.note(layout, room.tally, 9.0)
-    steps = math.ceil((wanted - 9.0) / 4.0)
-    assert outlook.latest.seconds == pytest.approx(9.0 + 4.0 * steps)
+    assert outlook.latest.seconds == pytest.approx(wanted + 1.5)
     outlook = Outlook(Goal(15, None, None), 0.0, 5, None)
     outlook.note(layout, room.tally, 9.0)
     assert outlook.latest.seconds == pytest.approx(15.0)
@@ -215,6 +230,19 @@ def test_the_latest_is_shown_and_an_early_one_kept(room):
         again = Outlook(goal, before, 9, kept)
         again.note(layout, more.tally, 9.0)
         assert (again.kept is not kept) == anew
+
+
+def test_what_is_left_is_the_rest_of_what_was_told():
+    seen = []
+    pz.trace("box-room", batches=400, rays_per_batch=2048, progress=seen.append)
+    told = [now for now in seen if now.forecast is not None]
+    assert told
+    for now in told:
+        if now.batches == 400:
+            break
+        rest = max(now.forecast.seconds - now.seconds, 0.0)
+        assert now.eta_seconds == pytest.approx(rest)
+    assert seen[-1].eta_seconds == 0.0
 
 
 def test_it_is_kept(tmp_path):
