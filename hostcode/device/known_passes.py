@@ -36,18 +36,20 @@ def forget() -> int:
     return known
 
 
-def of(key: str) -> str:
+def of(key: str, *, single: bool = False) -> str:
     """Return what is remembered of a device's pass, empty where nothing is.
 
     Parameters
     ----------
     key : str
         Of the device's record.
+    single : bool
+        Whether of the test of its single precision.
     """
-    return _read(_PASSED).get(key, "")
+    return _read(_SINGLE if single else _PASSED).get(key, "")
 
 
-def remember(key: str, verdict: str) -> None:
+def remember(key: str, verdict: str, *, single: bool = False) -> None:
     """Remember a pass.
 
     Parameters
@@ -56,8 +58,10 @@ def remember(key: str, verdict: str) -> None:
         Of the device's record.
     verdict : str
         What the pass is about.
+    single : bool
+        Whether of the test of its single precision.
     """
-    _write(_PASSED, key, verdict)
+    _write(_SINGLE if single else _PASSED, key, verdict)
 
 
 def rate_of(key: str, test: str) -> float | None:
@@ -83,6 +87,7 @@ def remember_rate(key: str, test: str, rate: float) -> None:
 
 
 _PASSED: Final = "passed"
+_SINGLE: Final = "passed_single"
 _RATES: Final = "rates"
 
 
@@ -92,7 +97,7 @@ def _write(part: str, key: str, value: str) -> None:
         path = cache_file()
         path.parent.mkdir(parents=True, exist_ok=True)
         content: dict[str, object] = {"schema": 1}
-        content |= {name: _read(name) for name in (_PASSED, _RATES)}
+        content |= {name: _read(name) for name in (_PASSED, _SINGLE, _RATES)}
         content[part] = {**_read(part), key: value}
         # Written beside and renamed, so that another process never reads half a file.
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")

@@ -63,12 +63,12 @@ def trust(opened: OpenDevice) -> None:
     DeviceError
         Where it fails.
     """
-    key = f"{opened.record.key} single"
+    key = opened.record.key
     if key in _trusted:
         return
     widths = tuple(sorted({1, preferred_lanes(opened.record)}))
     verdict = _verdict(opened, widths)
-    if not verdict or known_passes.of(key) != verdict:
+    if not verdict or known_passes.of(key, single=True) != verdict:
         found = [text for width in widths for text in failures(opened, width)]
         if found:
             raise DeviceError(
@@ -78,7 +78,7 @@ def trust(opened: OpenDevice) -> None:
             )
         verdict = _verdict(opened, widths)
         if verdict:
-            known_passes.remember(key, verdict)
+            known_passes.remember(key, verdict, single=True)
     _trusted.add(key)
 
 

@@ -41,8 +41,10 @@ _LOST: Final = 0.1
 """From such an error on an element is lost in single precision: a run says something else."""
 _RANGE: Final = (1e-12, 1e15)
 """Metres of which single precision still holds the squares with the rounding of their sums."""
-_SHORTEST: Final = 64.0
+_SHORTEST: Final = 32.0
 """Roundings of an element's coordinates that a length of it must have, as a vertex radius."""
+_THINNEST: Final = 4.0
+"""The same of its thickness."""
 _MET: Final = 2.0
 """Roundings of the place at which a ray meets an element."""
 _EDGES: Final = EDGES_TILTED[0] + _MET
@@ -118,10 +120,10 @@ def _below(element: Element, grid: _Grid) -> str:
             )
     low, high = element.local_box
     thickness = min(b - a for a, b in zip(low, high, strict=True))
-    if not element.flat and thickness < 2.0 * _EDGES * rounding:
+    if not element.flat and thickness < _THINNEST * rounding:
         return (
             f'element "{element.name}" is lost in it: it is {thickness:.1e} m thick, and its faces '
-            f"are good to {_EDGES * rounding:.1e} m"
+            f"are good to {rounding:.1e} m"
         )
     return ""
 

@@ -144,6 +144,14 @@ def test_both_pocls(name: str, mode: str, origin: str) -> None:
     assert run.digest == base(name, mode).digest
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["box-room", "integrating-sphere", "ghost-ladder"])
+@pytest.mark.parametrize("effect", ["tilt", "contact", "acceleration", "coincidence"])
+def test_forcing_an_effect_changes_no_bit(name: str, effect: str) -> None:
+    made = compiled(name, frozenset({effect}), "fp32", rays_per_batch=2048)
+    assert trace_compiled(made, 3, plan=BASE).digest == base(name, "fp32").digest
+
+
 @pytest.mark.parametrize(
     "name", ["ghost-ladder", pytest.param("everything", marks=pytest.mark.slow)]
 )
