@@ -10,14 +10,18 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
 
 from benchmarks.report import Report
 from hostcode import templates
 from hostcode.program import build
+from photizon_cl.compile import compiled
 from photizon_cl.scene.files import load
+from photizon_cl.studies import trial
 from photizon_cl.studies.costing import Study
 from photizon_cl.studies.knobs import Option
 
@@ -41,6 +45,9 @@ class Fault:
     """Settings of a row beside it that must not be found."""
     longer: float = 1.0
     """Times the seconds of the others."""
+    away: float = 0.0
+    """Metres that everything is moved by along x; the fault is then that nothing is recentred."""
+    precision: str = "fp64"
 
 
 REFLECTANCE = "weight_number(material, LAMBERTIAN_REFLECTANCE)"
@@ -79,40 +86,64 @@ FAULTS = (
         {"generation_cap": 60},
         {"generation_cap": 2000},
     ),
+    Fault(
+        "single precision 10^6 m from the origin, not recentred",
+        "box-room",
+        "detectors.floor.power",
+        {},
+        {},
+        {},
+        away=1e6,
+        precision="fp32",
+    ),
 )
 
 
 class _Broken(Study):
     """A study in which one setting's kernels are broken."""
 
-    points: Mapping[str, str] = {}
+    fault: Fault
 
     def _opened(self, option: Option) -> Trial:
         if option.knob != "planted":
             return super()._opened(option)
-        usual, cache = templates.MUTATIONS, build._CACHE
-        templates.MUTATIONS, build._CACHE = dict(self.points), {}
-        try:
+        with ExitStack() as stack:
+            put = stack.enter_context
+            put(patch.object(templates, "MUTATIONS", dict(self.fault.points)))
+            put(patch.object(build, "_CACHE", {}))
+            if self.fault.away:
+                put(patch.object(compiled, "recentre", lambda _: (0.0, 0.0, 0.0)))
+                # which would refuse it
+                put(patch.object(trial, "fitting_mode", lambda *_: None))
             return super()._opened(option)
-        finally:
-            templates.MUTATIONS, build._CACHE = usual, cache
 
 
 def _with(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     return dataclasses.replace(scene, run=dataclasses.replace(scene.run, **changes))
 
 
+def _moved(scene: Scene, by: float) -> Scene:
+    def away(thing: Any) -> Any:
+        x, y, z = thing.position
+        return dataclasses.replace(thing, position=(x + by, y, z))
+
+    return dataclasses.replace(
+        scene, source=tuple(map(away, scene.source)), element=tuple(map(away, scene.element))
+    )
+
+
 def study_of(fault: Fault, seconds: float) -> Any:
     """Return the study of a fault: the scene as it is, the fault, and a healthy row beside it."""
 
     def knob(scene: Scene, cap: int) -> Iterator[Option]:
-        yield Option("planted", "planted", "", "", _with(scene, fault.run))
+        broken = _with(scene, fault.run)
+        yield Option("planted", "planted", "", "", broken, precision=fault.precision)
         if fault.healthy:
             yield Option("healthy", "healthy", "", "", _with(scene, fault.healthy))
 
-    scene = _with(load(fault.scene), {"max_seconds": fault.longer * seconds})
+    scene = _with(_moved(load(fault.scene), fault.away), {"max_seconds": fault.longer * seconds})
     study = _Broken(scene, fault.quantity, None, lambda _: None, (knob,))
-    study.points = fault.points
+    study.fault = fault
     return study.run()
 
 

@@ -22,10 +22,10 @@ from benchmarks.report import Report, table
 from hostcode.device.device import choose
 from hostcode.errors import DeviceError
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.run.effects import EVERY_EFFECT, EVERYTHING, larger_programs
-from photizon_cl.run.pricing import ROUNDS, Pair, Pricing
 from photizon_cl.scene.files import load
 from photizon_cl.scene.presets import preset_names
+from photizon_cl.studies.effects import EVERY_EFFECT, EVERYTHING, larger_programs
+from photizon_cl.studies.pricing import ROUNDS, Pair, Pricing
 
 WANTED: Final = {"box-room": 2.0}
 """Times the larger program that a preset's own shall reach."""

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from photizon_cl.result.paths import Paths as Paths
     from photizon_cl.run.comparing import compare as compare
     from photizon_cl.run.drawing import draw as draw
-    from photizon_cl.run.effects import effects as effects
     from photizon_cl.run.pathing import paths as paths
     from photizon_cl.run.probing import probe as probe
     from photizon_cl.run.recipe import Recipe as Recipe
@@ -49,6 +48,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.settings import FarField as FarField
     from photizon_cl.scene.settings import RunSettings as RunSettings
     from photizon_cl.studies.costing import cost as cost
+    from photizon_cl.studies.effects import effects as effects
     from photizon_cl.views import figures as figures
 
 _MODULE_OF: Final[dict[str, str]] = {
@@ -64,7 +64,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "open_result": "photizon_cl.run.result",
     "compare": "photizon_cl.run.comparing",
     "cost": "photizon_cl.studies.costing",
-    "effects": "photizon_cl.run.effects",
+    "effects": "photizon_cl.studies.effects",
     # what comes out
     "Result": "photizon_cl.run.result",
     "Comparison": "photizon_cl.result.comparison",

@@ -50,7 +50,7 @@ def call(arguments: argparse.Namespace) -> int:
             raise ArgumentError(f"{option}: found no --measure beside it, and nothing else uses it")
     scene = load_scene(arguments)
     from photizon_cl.cli.tables import console
-    from photizon_cl.run.effects import SECONDS, effects
+    from photizon_cl.studies.effects import SECONDS, effects
 
     seconds = arguments.max_seconds
     if arguments.measure:

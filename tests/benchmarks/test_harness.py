@@ -13,8 +13,8 @@ from benchmarks.report import Report, Spread, table
 from benchmarks.runner import Runner, compiled_preset
 from hostcode.device.device import preferred_lanes
 from hostcode.program.plan import default_plan
-from photizon_cl.run.effects import EVERY_EFFECT, EVERYTHING
 from photizon_cl.scene.presets import preset_names
+from photizon_cl.studies.effects import EVERY_EFFECT, EVERYTHING
 
 TINY = throughput.Settings(
     scenes=("box-room",),

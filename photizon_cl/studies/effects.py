@@ -10,8 +10,8 @@ from photizon_cl.compile.effects.table import EFFECT_ROWS, EFFECTS
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.effects import Effects, EffectUse, ProgramUse
 from photizon_cl.run.batches import with_settings
-from photizon_cl.run.pricing import Pair, Pricing
 from photizon_cl.scene.files import load
+from photizon_cl.studies.pricing import Pair, Pricing
 
 if TYPE_CHECKING:
     import os
