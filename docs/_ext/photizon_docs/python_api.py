@@ -18,6 +18,8 @@ _BESIDES = (
     ("photizon_cl.result.ledger", "Estimate"),
     ("photizon_cl.result.ledger", "Roulette"),
     ("photizon_cl.result.estimates", "RunInfo"),
+    ("photizon_cl.result.cost", "CostSetting"),
+    ("photizon_cl.result.cost", "TargetTime"),
     ("photizon_cl.result.effects", "EffectUse"),
     ("photizon_cl.result.effects", "ProgramUse"),
     ("photizon_cl.result.effects", "Price"),
