@@ -13,8 +13,9 @@
 // rules, and tests build every program with floats, where the compiler does.
 //
 //   types     real: lengths, directions (scalar: one lane of it); weight: what a ray carries, real or
-//             wide (weight_scalar: one lane); mask: all ones or all zeros in each lane; lint, luint: 64 bits; word: 32 bits; wide:
-//             double in every program, for exact sums of weights and large counts
+//             wide (weight_scalar: one lane of it); mask: all ones or all zeros in each lane; lint,
+//             luint: 64 bits; word: 32 bits; wide: double in every program, for exact sums of weights
+//             and large counts
 //   compare   reals LT LE GT GE EQ NE; what has 64 bits (lint, luint, wide) ILT ILE IGT IGE IEQ INE;
 //             weights WEIGHT_LT WEIGHT_LE WEIGHT_GT WEIGHT_GE
 //   select    reals SEL, weights SEL_WEIGHT, 64-bit integers SELI, words SELW, masks SELM
@@ -26,8 +27,7 @@
 //             with a weight WT(0.5), weight_splat(0.5)
 //   rounding  UNIT_ROUNDOFF, and no power of two in its place
 //   convert   by value TO_REAL, TO_WIDE, TO_WEIGHT (of a real), TO_LINT, TO_LUINT, TO_WORD; by bits
-//             AS_LINT, AS_LUINT (of what
-//             has 64 bits), LOW_BITS (of a real, see there)
+//             AS_LINT, AS_LUINT (of what has 64 bits), LOW_BITS (of a real, see there)
 <%
     vector = "" if lanes == 1 else lanes
     mask = "long" if real == "double" else "int"

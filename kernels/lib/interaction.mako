@@ -2,7 +2,8 @@
 ##
 ## What the statements of effects find in scope.  Everywhere `launch`, the launch structure with the
 ## effect's own members, and `ledger`; types are those of event.mako, limbs.mako and ledger.mako, and a
-## `real`, `weight`, `lint` or `mask` has a value for each lane.  All are to be read; what may be written is said.
+## `real`, `weight`, `lint` or `mask` has a value for each lane.  All are to be read; what may be written
+## is said.
 ##
 ##   travel   (in interact) scene; p: the packet at the start of the segment, with its weight before (w may be
 ##            written, what it loses booked); h: what it meets, h->found the lanes that meet a face, h->t the length of

@@ -87,18 +87,17 @@ def lost(scene: Scene, roundoff: float) -> str:
     grid = _Grid(scene, roundoff)
     for element in scene.element:
         error, size = relative_error(element, grid)
-        far = grid.far(element.position)
         if error > _LOST:
             return (
-                f'element "{element.name}" is lost in it: {grid.where(size, element.position)}, so '
+                f'element "{element.name}" is lost in it: {grid.where(size, element)}, so '
                 f"that its area or its openings would come out wrong by {min(error, 1.0):.1e}"
             )
         below = _below(element, grid)
         if below:
             return below
         least, most = _RANGE
-        if not (least <= size or size == 0.0) or far + element.reach > most:
-            found = size if size < least else far + element.reach
+        if not (least <= size or size == 0.0) or grid.reached(element) > most:
+            found = size if size < least else grid.reached(element)
             return (
                 f'element "{element.name}" has lengths of {found:.1e} m, and single precision '
                 f"holds squares of those from {least:g} to {most:g} m"
@@ -108,7 +107,7 @@ def lost(scene: Scene, roundoff: float) -> str:
 
 def _below(element: Element, grid: _Grid) -> str:
     """Say which of an element's lengths is below the rounding of its coordinates, or nothing."""
-    rounding = grid.roundoff * (grid.far(element.position) + element.reach)
+    rounding = grid.roundoff * grid.reached(element)
     for name, parameter in parameters_of(type(element)).items():
         value = getattr(element, name)
         length = getattr(parameter, "unit", "") == "m" and isinstance(value, float)
@@ -152,16 +151,23 @@ class _Grid:
         """Return the farthest coordinate of a position, in metres, that its rounding follows."""
         return max(bounded(position, self._shift, self.roundoff))
 
-    def spacing(self, position: Sequence[float]) -> float:
-        """Return the distance in metres of neighbouring numbers there."""
-        return math.ulp(self.far(position)) * (self.roundoff / ROUNDOFF)
+    def reached(self, thing: Element | Source) -> float:
+        """Return the farthest coordinate of what is compared with the size of something.
 
-    def where(self, size: float, position: Sequence[float]) -> str:
+        Of doubles an element's own size is many.
+        """
+        return self.far(thing.position) + (thing.reach if self.single else 0.0)
+
+    def spacing(self, thing: Element | Source) -> float:
+        """Return the distance in metres of neighbouring numbers there."""
+        return math.ulp(self.reached(thing)) * (self.roundoff / ROUNDOFF)
+
+    def where(self, size: float, thing: Element | Source) -> str:
         """Say how large something is beside the grid where it stands."""
         what = "single-precision numbers" if self.single else "doubles"
         return (
-            f"{size:.3g} m across at {self.far(position):.3g} m, where {what} are "
-            f"{self.spacing(position):.1e} m apart"
+            f"{size:.3g} m across at {self.reached(thing):.3g} m, where {what} are "
+            f"{self.spacing(thing):.1e} m apart"
         )
 
     @property
@@ -175,7 +181,7 @@ class _Grid:
     def beside(self) -> str:
         """What small things are small beside."""
         if self.single:
-            return "its distance from the middle of the scene, for single precision"
+            return "its length or its distance from the middle of the scene, in single precision"
         return "its distance from the origin"
 
 
@@ -196,7 +202,7 @@ def _element(element: Element, grid: _Grid) -> str | None:
     most = f"{error:.1e} of what they are" if error < 1.0 else "all of what they are, or more"
     return (
         f'element "{element.name}" is small beside {grid.beside}, or an opening in it is: '
-        f"{grid.where(size, element.position)}. Its area or its openings may come out wrong by "
+        f"{grid.where(size, element)}. Its area or its openings may come out wrong by "
         f"up to {most}, and normals of curved faces by as much; {grid.remedy}"
     )
 
@@ -205,12 +211,12 @@ def _source(source: Source, grid: _Grid) -> str | None:
     if source.face is None:
         return None
     size = source.reach
-    step = grid.spacing(source.position)
+    step = grid.spacing(source)
     if step <= grid.noted * size:
         return None
     return (
         f'source "{source.name}" is small beside {grid.beside}: '
-        f"{grid.where(2.0 * size, source.position)}. That is the grid that its rays start on; "
+        f"{grid.where(2.0 * size, source)}. That is the grid that its rays start on; "
         f"{grid.remedy}"
     )
 
@@ -231,9 +237,7 @@ def relative_error(element: Element, grid: _Grid = _DOUBLES) -> tuple[float, flo
     size : float
         What is worst carried, in metres from edge to edge; 0 for an element without area.
     """
-    far = grid.far(element.position)
-    # of doubles an element's own size is many
-    edge = _EDGES * grid.roundoff * (far + element.reach if grid.single else far)
+    edge = _EDGES * grid.roundoff * grid.reached(element)
     faces, openings = [], []
     for face in element.faces:
         sizes, through = _extents(face)

@@ -155,7 +155,9 @@ def test_what_is_coarse_is_advised_with_numbers(capsys):
         {"element.chip.half_width": 1e-3, "element.chip.half_height": 1e-3}
     )
     (text,) = (t for t in pz.advisories(scene, "fp32") if "single precision" in t)
-    assert text.startswith('element "chip" is small beside its distance from the middle')
+    assert text.startswith(
+        'element "chip" is small beside its length or its distance from the middle'
+    )
     assert "run it in fp64" in text
     assert not [t for t in pz.advisories(scene) if "chip" in t]
     assert [t for t in pz.trace(scene, precision="mixed", batches=1).advisories if t == text]

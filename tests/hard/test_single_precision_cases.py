@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from itertools import islice
 
+import numpy as np
 import pytest
-from oracles.engine import open_device
+from oracles.engine import PLAN, open_device, trace
+from oracles.walks import SILVER, follow, unit
 
 import photizon_cl as pz
+from benchmarks.leaks import closed_bodies
+from hostcode.run.probe import NO_FACE
 from photizon_cl.cli.main import main
 from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.frames import frame
 from photizon_cl.stability.build import aimed, black
+from photizon_cl.stability.families_mixed import room
 from photizon_cl.stability.fresnel import fresnel_cases, measure_fresnel
 from photizon_cl.stability.measure import measure
 from photizon_cl.stability.report import BOUND, FAMILIES, Row, table
@@ -72,6 +78,45 @@ def test_fresnel_in_single_precision():
     assert not found.wrong
     assert found.worst <= BOUND
     assert any("off a face" in m.lost for m in found.measured)
+
+
+CLOSED = ("tilted room of mirrors", "biconvex, mirrors")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=() if n in CLOSED else pytest.mark.slow) for n in closed_bodies()],
+)
+def test_nothing_leaks_out_of_closed_bodies(name):
+    """10^6 interactions with roundings so coarse see more edges than 10^14 in double precision."""
+    found = trace(
+        closed_bodies()[name], rays_per_batch=500, generation_cap=2000, seed=1, plan=PLAN,
+        precision="fp32",
+    )  # fmt: skip
+    assert found.interactions == 500 * 2000
+    assert found.escaped == 0
+
+
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (33.3, 0.0)])
+def test_rays_at_edges_and_corners_stay_inside(tilt):
+    rows = np.array(frame("+z", tilt))
+    for low, high in (
+        ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)),
+        ((0.1, 0.1, 0.1), (0.4, 0.5, 0.7)),
+        ((1e6, 2e6, -1e6), (1e6 + 0.7, 2e6 + 1.3, -1e6 + 0.2)),
+    ):
+        r = np.random.default_rng(6)
+        corners, size = np.array((low, high)), np.subtract(high, low)
+        ends = np.take_along_axis(corners, r.integers(0, 2, (2000, 3)), axis=0)
+        along, edge = r.integers(0, 3, 2000), r.random(2000) < 0.6
+        anywhere = corners[0] + size * r.random((2000, 3))
+        ends[edge, along[edge]] = anywhere[edge, along[edge]]
+        starts = corners[0] + size * r.uniform(0.1, 0.9, (2000, 3))
+        found = follow(
+            room(low, high, tilt, SILVER), starts @ rows, unit((ends - starts) @ rows), 30, "fp32"
+        )
+        assert (found.left != NO_FACE).all()
+        assert not np.isnan(found.point).any()
 
 
 def test_the_command_refuses_an_unknown_mode(capsys):

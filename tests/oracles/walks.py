@@ -31,9 +31,14 @@ LENSES: list[dict[str, Any]] = [
 
 
 def follow(
-    elements: Sequence[Element], starts: Any, along: Any, steps: int, **how: Any
+    elements: Sequence[Element],
+    starts: Any,
+    along: Any,
+    steps: int,
+    precision: str = "fp64",
+    **how: Any,
 ) -> Followed:
-    compiled = compile_elements(elements)
+    compiled = compile_elements(elements, precision)
     rays = np.hstack([np.subtract(starts, compiled.shift), along])
     found = follow_rays(open_device(), compiled.tables, rays, steps, **how)
     return replace(found, point=found.point + np.array(compiled.shift))
