@@ -4,59 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from fractions import Fraction
 
 import pytest
+from oracles.branching import RAYS, chooses, mixed, pane, room, takes_its_share, takes_rounding
 from oracles.engine import PLAN, compiled, scene_of, trace, trace_compiled, with_tree
-from oracles.scenes import BLACK, beam, cube, glass, matt, wall
+from oracles.scenes import beam, glass, matt, wall
 
 import photizon_cl as pz
-from hostcode import templates
-from hostcode.program import build
 from hostcode.program.source import program_source
 from photizon_cl.compile.compiled import compile_scene
-
-RAYS = 1 << 14
-
-
-def mixed(specular, diffuse):
-    return {"surface": {"kind": "mixed", "specular": specular, "diffuse": diffuse}}
-
-
-def pane(index=1.5):
-    """A pane between a beam and two black walls, one on either side."""
-    ends = [{**wall((0, 0, z), axis), **BLACK} for z, axis in ((2, "-z"), (-1, "+z"))]
-    return scene_of(
-        [beam((0, 0, 0), "+z", 1e-3)], [{**wall((0, 0, 1), "-z"), **glass(index)}, *ends]
-    )
-
-
-def room(surface):
-    lamp = {"kind": "isotropic-point", "flux": 1.0, "position": [0.1, -0.2, 0.3]}
-    return scene_of([lamp], cube(surface))
-
-
-def chooses():
-    """Each ray goes one way, whole, and as often as the reflectance says: 0.04 here."""
-    found = trace(pane(), rays_per_batch=RAYS, splitting=False)
-    assert found.closures() == [0]
-    reflected, sent = found.absorbed("element 2"), found.absorbed("element 1")
-    # whole rays: nothing is split, and nothing rounded
-    assert reflected.denominator == sent.denominator == 1
-    assert reflected + sent == RAYS
-    assert found.interactions == 2 * RAYS
-    # 5 sigma: a false alarm in 1.7 million
-    assert abs(reflected - 0.04 * RAYS) < 5.0 * math.sqrt(RAYS * 0.04 * 0.96)
-
-
-def takes_its_share():
-    """A surface that splits and absorbs takes exactly what it takes of rays that split."""
-    found = trace(room(mixed(0.25, 0.5)), rays_per_batch=512, generation_cap=7, splitting=False)
-    kept = Fraction(3, 4) ** 7
-    assert found.closures() == [0]
-    assert found.depth_capped == 512 * kept
-    assert sum(found.absorbed(f"element {n}") for n in range(6)) == 512 * (1 - kept)
-    assert found.interactions == 512 * 7
 
 
 def test_each_ray_goes_one_way():
@@ -65,22 +21,6 @@ def test_each_ray_goes_one_way():
 
 def test_what_is_absorbed_stays_exact():
     takes_its_share()
-
-
-def rounds():
-    """Where all of three thirds goes on, a wall takes no more than rounding, and never less."""
-    takes_rounding(1 / 3, 2 / 3)
-
-
-def takes_rounding(specular, diffuse):
-    found = trace(
-        room(mixed(specular, diffuse)), rays_per_batch=256, generation_cap=200, splitting=False
-    )
-    assert found.closures() == [0]
-    taken = [found.absorbed(f"element {n}") for n in range(6)]
-    assert all(amount >= 0 for amount in taken)
-    # 200 roundings of at most 2^-53 each, on the way down
-    assert sum(taken) <= 256 * 200 * Fraction(1, 2**52)
 
 
 @pytest.mark.parametrize(("specular", "diffuse"), [(0.3, 0.7), (0.1, 0.9), (1 / 3, 2 / 3)])
@@ -174,24 +114,3 @@ def test_where_something_splits_it_is_another_stream():
 def test_it_is_true_or_false(value):
     with pytest.raises(pz.SceneError, match=r"splitting.*expected true or false"):
         pz.RunSettings(splitting=value)
-
-
-MUTANTS = {
-    "the other child": (
-        {"choice.chance": "~WEIGHT_LT(TO_WEIGHT(u) * sum, outcome->second_w)"},
-        chooses,
-    ),
-    "evens": ({"choice.chance": "LT(u, splat(0.5))"}, chooses),
-    "the weight of one": ({"choice.weight": "outcome->w"}, chooses),
-    "rounding unbooked": ({"choice.booked": "image_difference(sent, sent)"}, rounds),
-    "nothing taken": ({"choice.weight": "p->w"}, takes_its_share),
-}
-
-
-@pytest.mark.parametrize("name", MUTANTS)
-def test_a_broken_choice_is_caught(name, monkeypatch):
-    points, gate = MUTANTS[name]
-    monkeypatch.setattr(templates, "MUTATIONS", points)
-    monkeypatch.setattr(build, "_CACHE", {})
-    with pytest.raises(AssertionError):
-        gate()

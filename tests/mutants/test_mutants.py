@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
-from oracles import chance, contacts, gates, kernels, packets
+from oracles import branching, chance, contacts, gates, kernels, packets
 from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, cube, matt, wall
 
@@ -131,6 +131,31 @@ MUTANTS = (
         'scatter over a half circle only',
         {'directions.turn': '0.5 * v'},
         scatter,
+    ),
+    Mutant(
+        'a matt wall that sends on a thousandth too much',
+        {'lambertian.weight': 'WT(1.001) * p->w * weight_number(material, LAMBERTIAN_REFLECTANCE)'},
+        furnace,
+    ),
+    Mutant(
+        'a ray that survives roulette with what it had',
+        {'roulette.weight': 'p->w'},
+        roulette,
+    ),
+    Mutant(
+        'the other child is chosen',
+        {'choice.chance': '~WEIGHT_LT(TO_WEIGHT(u) * sum, outcome->second_w)'},
+        branching.chooses,
+    ),
+    Mutant(
+        'the chosen child has its own weight alone',
+        {'choice.weight': 'outcome->w'},
+        branching.chooses,
+    ),
+    Mutant(
+        'what the sum of two children is rounded by is not booked',
+        {'choice.booked': 'image_difference(sent, sent)'},
+        branching.rounds,
     ),
     Mutant(
         'roulette survives 45 times in 100',
