@@ -131,10 +131,19 @@ def test_a_closed_white_box_is_told_beforehand():
     assert pilot(white_box(generation_cap=found.needed_cap)).before(1024) == ""
 
 
+SOME_PRESETS = ("integrating-sphere", "plano-convex-condenser", "box-room")
+
 # -- silence -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("preset", list(pz.presets()))
+@pytest.mark.parametrize(
+    "preset",
+    [
+        # a path that is long, one that splits, one of many elements; the others say no more
+        pytest.param(name, marks=() if name in SOME_PRESETS else pytest.mark.slow)
+        for name in pz.presets()
+    ],
+)
 def test_nothing_is_said_of_the_presets(preset):
     loaded = pz.load(preset)
     found = pilot(loaded)

@@ -130,9 +130,10 @@ def test_roulette_is_not_played_again():
 
 
 @pytest.mark.parametrize("choice", [
-    {"composition": "classical"}, {"lanes": 16, "refill": 4}, {"max_bounces": 3, "stack_rays": 1},
+    {"composition": "classical"}, {"max_bounces": 3, "stack_rays": 1},
     pytest.param({"composition": "whole-path", "lanes": 1}, marks=pytest.mark.slow),
     pytest.param({"lanes": 1}, marks=pytest.mark.slow),
+    pytest.param({"lanes": 16, "refill": 4}, marks=pytest.mark.slow),
     pytest.param({"max_bounces": 1}, marks=pytest.mark.slow),
 ])  # fmt: skip
 def test_the_same_bits_however_it_is_run(choice):

@@ -175,7 +175,11 @@ def test_a_scene_a_million_sizes_away_is_the_same(tilt: tuple[float, float]) -> 
         assert other.interactions == plain.interactions
 
 
-@pytest.mark.parametrize("tilt", [LEVEL, LEAN], ids=["level", "tilted"])
+# level faces of all axes are in the contract tests and the corners
+@pytest.mark.parametrize(
+    "tilt",
+    [pytest.param(LEVEL, id="level", marks=pytest.mark.slow), pytest.param(LEAN, id="tilted")],
+)
 def test_permuted_axes_change_nothing(tilt: tuple[float, float]) -> None:
     plain = run(nothing, tilt)
     for turns in (1, 2):
