@@ -220,12 +220,14 @@ class Paraboloid(Face):
         mp = load_digits()
         wide, length = terms[5], terms[6]
         room = min(length, wide * terms[0]) / 1000
+        # at the entrance it runs along the axis: rounding moves a root far along it
+        beyond = length / 1000
         low, high = -mp.inf, mp.inf
         if d[2] == 0:
-            if not -room <= o[2] <= length + room:
+            if not -room <= o[2] <= length + beyond:
                 return None
         else:
-            ends = sorted([(-room - o[2]) / d[2], (length + room - o[2]) / d[2]])
+            ends = sorted([(-room - o[2]) / d[2], (length + beyond - o[2]) / d[2]])
             low, high = ends
         a, b = d[0] ** 2 + d[1] ** 2, o[0] * d[0] + o[1] * d[1]
         c = o[0] ** 2 + o[1] ** 2 - (wide * mp.mpf("1.01")) ** 2
