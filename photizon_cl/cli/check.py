@@ -124,7 +124,8 @@ def _pilot(scene: Scene, precision: str) -> tuple[list[str], list[str]]:
     time = None
     with suppress(PhotizonError, HostError, MemoryError):  # fewer rays than a run has may not do
         time = outlay(scene, precision=precision) if found.complete else None
-    told = [f"pilot: {found}"] + ([] if time is None else [f"time: {time}"])
+    untold = "not told: the rays that there was time for do not say how long the target takes"
+    told = [f"pilot: {found}", f"time: {untold if time is None else time}"]
     advice = [found.before(scene.run.rays_per_batch), "" if time is None else time.advice()]
     return told, [*clashes, *filter(None, advice)]
 
@@ -161,6 +162,7 @@ def _describe(item: Described) -> str:
         if value in (0.0, (0.0, 0.0)) and default_of(type(item), name) == value and item.kind:
             continue
         unit = parameter.unit
+        value = str(value).lower() if isinstance(value, bool) else value
         parts.append(f"{name} {_number(value)}" + (f" {unit}" if unit else ""))
     return ", ".join(parts)
 

@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--max-seconds", type=number, metavar="T", default=120.0,
-        help="how long all of it may take; default 120",
+        help="how long it may take, building many programs aside; default 120",
     )  # fmt: skip
     parser.add_argument("--seed", type=integer, metavar="N", help=SEED)
     parser.add_argument("--device", metavar="D", help=DEVICE)
@@ -135,10 +135,9 @@ def _percent(part: float | None) -> str:
 
 
 def _bias(row: CostSetting) -> tuple[str, str]:
-    if row.bias is None or row.bias_sigma is None or row.estimate == row.bias:
+    if row.relative_bias is None or row.relative_bias_sigma is None:
         return "–", "–"
-    by = 100.0 / abs(row.estimate - row.bias)
-    return f"{row.bias * by:.2g}", f"{row.bias_sigma * by:.1g}"
+    return f"{100.0 * row.relative_bias:.2g}", f"{100.0 * row.relative_bias_sigma:.1g}"
 
 
 def _gain(study: CostStudy, row: CostSetting) -> tuple[str, str]:

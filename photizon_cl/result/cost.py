@@ -25,8 +25,25 @@ TARGETS: Final = (0.05, 0.02, 0.01, 0.005)
 """Relative standard errors that the seconds to are told of."""
 _SHOWS: Final = 4.0
 """Standard errors from which on a bias is taken as one: one in 16 000 by chance."""
+_FEWEST: Final = 16
+"""Batches that a bias must be of."""
 ROUNDING: Final = 2.0**-40
 """Part of a value below which differences are taken as rounding, and no scatter."""
+
+
+def _students(z: float, free: int) -> float:
+    """Return what Student's t exceeds as rarely as a normal number exceeds `z`.
+
+    Abramowitz and Stegun, Handbook of Mathematical Functions, 26.7.5; for 15 degrees and 4 of z
+    right to 1 %.
+    """
+    z3, z5, z7 = z**3, z**5, z**7
+    return (
+        z
+        + (z3 + z) / (4.0 * free)
+        + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * free**2)
+        + (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * free**3)
+    )
 
 
 @dataclass(frozen=True)
@@ -91,6 +108,8 @@ class CostSetting:
         Its difference from the reference setting in watts, and that one's standard error.
     paired : bool
         Whether batch was held against batch for it.
+    bias_batches : int
+        Of each of both that it is of.
     closure : float
         The worst batch's, in parts of the emitted power.
     targets : tuple of TargetTime
@@ -114,6 +133,7 @@ class CostSetting:
     bias: float | None
     bias_sigma: float | None
     paired: bool
+    bias_batches: int
     closure: float
     targets: tuple[TargetTime, ...]
     points: tuple[tuple[float, float], ...]
@@ -147,10 +167,22 @@ class CostSetting:
 
     @property
     def is_biased(self) -> bool:
-        """Whether a bias shows: beyond four of its standard errors, and beyond rounding."""
-        if self.bias is None or self.bias_sigma is None:
+        """Whether a bias shows: beyond four of its standard errors, and beyond rounding.
+
+        Of few batches σ is not well known itself: so many of Student's, with the same chance. Of
+        fewer than 16 nothing is said.
+        """
+        if self.bias is None or self.bias_sigma is None or self.bias_batches < _FEWEST:
             return False
-        return abs(self.bias) > max(_SHOWS * self.bias_sigma, ROUNDING * abs(self.estimate))
+        limit = _students(_SHOWS, self.bias_batches - 1) * self.bias_sigma
+        return abs(self.bias) > max(limit, ROUNDING * abs(self.estimate))
+
+    @property
+    def relative_bias_sigma(self) -> float | None:
+        """Standard error of `relative_bias`, of the bias alone."""
+        if self.bias is None or self.bias_sigma is None or self.estimate == self.bias:
+            return None
+        return self.bias_sigma / abs(self.estimate - self.bias)
 
     def seconds_to(self, target: float) -> float | None:
         """Return the seconds to a target: measured where it was reached, else predicted."""
@@ -176,6 +208,7 @@ class CostSetting:
             "bias": self.bias,
             "bias_sigma": self.bias_sigma,
             "paired": self.paired,
+            "bias_batches": self.bias_batches,
             "biased": self.is_biased,
             "closure": self.closure,
             "figure_of_merit": self.figure_of_merit,

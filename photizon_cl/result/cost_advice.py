@@ -35,7 +35,12 @@ def _lines(study: CostStudy) -> Iterator[str]:
             f"the scene as it stands is off by {_bias(given)} against {study.reference}"
             + (f": write {write}" if write else "")
         )
-    if study.is_certain:
+    if given.estimate == 0.0:
+        yield (
+            f"nothing arrives at {study.quantity}: name another quantity with --quantity, or trace "
+            "for longer"
+        )
+    elif study.is_certain:
         yield (
             f"every batch gave the same {study.quantity}: it is known as it stands, and no setting "
             "has a σ to save time on"
@@ -100,8 +105,7 @@ def _bias(row: CostSetting) -> str:
     bias, sigma = row.bias or 0.0, row.bias_sigma or 0.0
     if not relative:
         return f"{bias:.3g} ± {sigma:.1g} W"
-    error = abs(relative / bias) * sigma
-    return f"{100.0 * relative:.3g} % ± {100.0 * error:.1g} %"
+    return f"{100.0 * relative:.3g} % ± {100.0 * (row.relative_bias_sigma or 0.0):.1g} %"
 
 
 def _no_bias(row: CostSetting) -> str:

@@ -22,7 +22,7 @@ _SETTING: Final = {
     "name": str, "knob": str, "value": object, "written": str, "batches": int, "rays": int,
     "seconds": float, "pace_error": float, "build_seconds": float, "interactions_per_s": float,
     "estimate": float, "sigma": None, "bias": None, "bias_sigma": None, "paired": bool,
-    "closure": float,
+    "bias_batches": int, "closure": float,
 }  # fmt: skip
 """Keys of a setting and their types; None: a number or none."""
 

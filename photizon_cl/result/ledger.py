@@ -37,6 +37,8 @@ CLOSURE_LIMIT: Final = Fraction(1, 10**12)
 What a split loses is the rounding of the weights: with weights in single precision the limit is as
 many of their roundings."""
 
+_ROUNDINGS: Final = 64
+"""Roundings of single weights that a ledger of them may miss by; a few are seen."""
 _UNIT: Final = Fraction(1, 1 << -UNIT_EXPONENT)
 _DEFECT: Final = "this is a defect of the engine; please report it with the scene file"
 
@@ -289,8 +291,9 @@ def closure_of(compiled: CompiledScene, cells: NDArray[np.int64] | SparseTally) 
 
 def closure_limit(compiled: CompiledScene) -> Fraction:
     """Return the part of the emitted power that a batch's ledger may miss by."""
-    coarser = compiled.precision.weight_roundoff / FP64.weight_roundoff
-    return CLOSURE_LIMIT * Fraction(coarser)
+    if compiled.precision.weight_roundoff == FP64.weight_roundoff:
+        return CLOSURE_LIMIT
+    return _ROUNDINGS * Fraction(compiled.precision.weight_roundoff)
 
 
 def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64] | SparseTally) -> int:

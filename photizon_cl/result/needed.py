@@ -23,6 +23,8 @@ _MANY: Final = 16
 _LOOKED_AT: Final = 1 << 16
 """Bins of a map of very many that are looked at: of so many the median is known to 1 %."""
 _ROUNDS: Final = 60
+_WIDEST: Final = 3.0
+"""Relative error beyond which nothing is known: an interval of a factor e^6 to either side."""
 
 
 def batches_needed(layout: TallyLayout, tally: Accumulator, target: float) -> tuple[float, float]:
@@ -81,7 +83,8 @@ def _of(
     if many and len(lit) >= _MANY:
         half = 0.5 / math.sqrt(len(lit))
         low, high = np.quantile(lit, (0.5 - half, 0.5 + half))
-        spread = float(high - low) / (2.0 * median) if median else 0.0
+        # bins of two kinds, in the light and in a shadow, have a median that is hardly known
+        spread = min(float(high - low) / (2.0 * median), _WIDEST) if median else 0.0
     else:
         spread = math.sqrt(2.0 / (n - 1))
     # what is there already is part of the outcome

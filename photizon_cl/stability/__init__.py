@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from photizon_cl.checks.precision import mode_of
     from photizon_cl.errors import ArgumentError
-    from photizon_cl.run.distribution import open_chosen
+    from photizon_cl.run.distribution import device_failures, open_chosen
     from photizon_cl.stability.digits import load_digits
     from photizon_cl.stability.report import FAMILIES, table, write_figure
 
@@ -71,7 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
 
         check_figure(Path(arguments.figure))  # before the minutes that it takes
     device = open_chosen(arguments.device)
-    rows = stability_report(device, arguments.family, arguments.precision)
+    with device_failures(device.record.label):
+        rows = stability_report(device, arguments.family, arguments.precision)
     print(table(rows, arguments.precision))
     if arguments.figure:
         write_figure(rows, arguments.figure)

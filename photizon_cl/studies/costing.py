@@ -124,6 +124,7 @@ class Study:
         self.start = time.perf_counter()
         self.seconds = self.until = scene.run.max_seconds
         self.quantity = _checked(scene, quantity)
+        self.asked = quantity is not None or bool(scene.run.target_on)
         self.left_out: list[tuple[str, str]] = []
         self.interrupted: Callable[[], bool] = lambda: False
 
@@ -133,22 +134,15 @@ class Study:
             return self._run()
 
     def _run(self) -> CostStudy:
-        first = self._opened(as_it_stands(self.given))
-        self._advance(first, 1)
-        if not first.batches:
-            if self.interrupted():
-                raise KeyboardInterrupt
-            raise RunError(
-                f"not one batch of {self.given.run.rays_per_batch} rays ended within "
-                f"{self.elapsed():.0f} s: raise max_seconds or lower rays_per_batch"
-            )
+        scene, first = self._begun()
         cap, known = self._reference_cap()
-        scene, first = self._smaller(first, cap)
+        scene, first = self._smaller(scene, first, cap)
         options = [o for knob in self.knobs for o in knob(scene, cap)]
         reference = first
         trials = [first]
         for option in options:
-            if self._over(0.5) and option.value != cap:
+            careful = option.knob == "generation_cap" and option.value == cap
+            if self._over(0.5) and not careful:
                 self.left_out.append((option.name, "no time was left to build its program"))
                 continue
             try:
@@ -165,7 +159,7 @@ class Study:
                 self.left_out.append((option.name, why))
                 continue
             trials.append(trial)
-            if option.knob == "generation_cap" and option.value == cap:
+            if careful:
                 reference = trial
         self._take_turns(trials, reference)
         return self._told(trials, first, reference, known)
@@ -205,9 +199,45 @@ class Study:
         needed = found.needed_cap
         return (max(found.left[-1][0], own) if needed is None else max(needed, own)), found
 
-    def _smaller(self, first: Trial, cap: int) -> tuple[Scene, Trial]:
+    def _begun(self) -> tuple[Scene, Trial]:
+        """Trace a batch of the scene as it stands, of fewer rays where all would take too long.
+
+        Raises
+        ------
+        RunError
+            Where none ended in half of the time.
+        """
+        usual = self.given.run.rays_per_batch
+        few = max(_FEWEST_RAYS, len(self.given.source))
+        for rays in dict.fromkeys((usual, min(usual, few))):
+            run = dataclasses.replace(self.given.run, rays_per_batch=rays)
+            scene = dataclasses.replace(self.given, run=run)
+            first = self._opened(as_it_stands(scene))
+            self._advance(first, 1, within=0.25 * self.seconds)
+            if first.batches:
+                return scene, self._of_something(first)
+            if self.interrupted():
+                raise KeyboardInterrupt
+        raise RunError(
+            f"not one batch of {rays} rays ended within {0.25 * self.seconds:.0f} s, a quarter of "
+            "the time: raise --max-seconds (max_seconds), or have the scene end its rays sooner, "
+            "by --set run.roulette_floor=0.1 or a lower generation cap"
+        )
+
+    def _of_something(self, first: Trial) -> Trial:
+        """Return the trial, or one of a quantity that is not 0 where nobody asked for this one."""
+        if first.totals[0] or self.asked:
+            return first
+        name = first.strongest()
+        if name is None:
+            return first
+        self.quantity = name
+        trial = self._opened(first.option)
+        self._advance(trial, 1)
+        return trial if trial.batches else first
+
+    def _smaller(self, scene: Scene, first: Trial, cap: int) -> tuple[Scene, Trial]:
         """Take fewer rays a batch where the time would not do for enough batches."""
-        scene = self.given
         options = 2 + sum(1 for knob in self.knobs for _ in knob(scene, cap))
         share = 0.7 * (self.seconds - self.elapsed()) / options
         rays = least = scene.run.rays_per_batch
@@ -218,10 +248,10 @@ class Study:
             rays //= 2
         if rays == scene.run.rays_per_batch:
             return scene, first
-        scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, rays_per_batch=rays))
-        trial = self._opened(as_it_stands(scene))
+        fewer = dataclasses.replace(scene, run=dataclasses.replace(scene.run, rays_per_batch=rays))
+        trial = self._opened(as_it_stands(fewer))
         self._advance(trial, 1)
-        return (scene, trial) if trial.batches else (self.given, first)
+        return (fewer, trial) if trial.batches else (scene, first)
 
     def _take_turns(self, trials: list[Trial], reference: Trial) -> None:
         """Trace all settings in turn until the time is over."""

@@ -13,7 +13,7 @@ from hostcode.run.tally import exact, values, whole_of
 from hostcode.run.usual import usual_plan
 from photizon_cl.checks.precision import fitting_mode
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.compile.quantities import quantity_of
+from photizon_cl.compile.quantities import quantity_of, scalars
 from photizon_cl.result.cost import ROUNDING, TARGETS, CostSetting, TargetTime
 from photizon_cl.result.ledger import closure_of, watts
 from photizon_cl.result.statistics import LIT_COUNT, complete
@@ -81,6 +81,8 @@ class Trial:
         """Seconds of tracing behind each batch."""
         self.turns: list[tuple[int, float]] = []
         """Batches and seconds of each turn."""
+        self.seen: NDArray[np.int64] | SparseTally | None = None
+        """The first batch."""
         self.interactions = 0
         self.worst = 0
 
@@ -127,6 +129,7 @@ class Trial:
         for number, cells in enumerate(chunk.cells):
             whole = complete(self.compiled.layout, cells)
             self.worst = max(self.worst, closure_of(self.compiled, whole))
+            self.seen = whole if self.seen is None else self.seen
             (total,) = exact(whole_of(whole, self.cell, 1))
             self.totals.append(total)
             if self.bins is not None:
@@ -138,6 +141,19 @@ class Trial:
         """Say whether another setting comes to the same program, of the same tables."""
         one, two = self.engine, other.engine
         return self.option.scene == other.option.scene and one.program.digest == two.program.digest
+
+    def strongest(self) -> str | None:
+        """Return the scalar that the first batch gave most to: a detector's power, else a row."""
+        layout, scene = self.compiled.layout, self.option.scene
+        found: dict[bool, tuple[int, str]] = {}
+        for quantity in scalars(scene, layout):
+            if self.seen is None or quantity.name == "ledger.depth_capped":
+                continue
+            (total,) = exact(whole_of(self.seen, quantity.first, 1))
+            detected = quantity.name.endswith(".power")
+            if total > found.get(detected, (0, ""))[0]:
+                found[detected] = total, quantity.name
+        return (found.get(True) or found.get(False) or (0, None))[1]
 
     def values(self) -> NDArray[np.float64]:
         """Return what each batch gave of the quantity, in watts, shape (batches,)."""
@@ -166,6 +182,7 @@ class Trial:
             bias=bias,
             bias_sigma=bias_sigma,
             paired=paired,
+            bias_batches=min(self.batches, reference.batches),
             closure=float(self.worst / self.compiled.emitted),
             targets=tuple(self._to(target, curve) for target in TARGETS),
             points=self._points(curve),
@@ -231,6 +248,7 @@ class Bins:
 
     def __init__(self, first: int, n: int) -> None:
         self.first, self.n = first, n
+        self._first: NDArray[np.float64] | None = None
         self._sum, self._square = np.zeros(n), np.zeros(n)
         self._counts = np.zeros(n, np.int64)
         self._batches, self._next = 0, 1
@@ -239,7 +257,9 @@ class Bins:
     def add(self, cells: NDArray[np.int64] | SparseTally) -> None:
         """Add a batch, in canonical form."""
         found = whole_of(cells, self.first, self.n)
-        each = values(found)
+        if self._first is None:
+            self._first = values(found)
+        each = values(found) - self._first  # what all have in common has no scatter
         self._sum += each
         self._square += each * each
         self._counts += found[:, 3]
@@ -256,11 +276,11 @@ class Bins:
 
     def _median(self) -> float:
         n, lit = self._batches, self._counts >= LIT_COUNT
-        if n < 2 or not lit.any():
+        if n < 2 or self._first is None or not lit.any():
             return math.inf
         mean = self._sum[lit] / n
         square = np.maximum(self._square[lit] / n - mean * mean, 0.0)
-        return float(np.median(np.sqrt(square / (n - 1)) / mean))
+        return float(np.median(np.sqrt(square / (n - 1)) / (self._first[lit] + mean)))
 
 
 def total_of(quantity: Quantity, layout: TallyLayout) -> int:

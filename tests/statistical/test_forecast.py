@@ -104,6 +104,15 @@ def test_bins_that_will_be_lit_count():
         assert found == pytest.approx(wanted, rel=1e-2)
 
 
+def test_of_bins_in_light_and_in_shadow_an_interval_stays_a_number():
+    """Half of the bins a million times dimmer: the median lies anywhere, and e^spread is finite."""
+    tally = Bins(40, [1000] * 40, [1.0] * 20 + [1e6] * 20)
+    found, spread = batches_needed(watching((0, 40)), tally, 0.1)
+    assert math.isfinite(found)
+    assert spread <= 3.0
+    assert math.isfinite(math.exp(2.0 * math.hypot(spread, 0.2)))
+
+
 def test_nothing_is_lit_yet():
     """A bin of 2 arrivals in 10 batches is lit at the 50th, and meets 0.5 long before."""
     found, _ = batches_needed(watching((0, 3)), Bins(10, [2, 0, 1], [5.0, 0.0, 5.0]), 0.5)

@@ -31,8 +31,10 @@ class Splitting(Effect):
         return f'a ray that meets "{named.name}" goes on as two'
 
     def absent(self, scene: Scene, settings: RunSettings) -> str:
-        """Say what the scene has not."""
-        return "no surface sends a ray on as two"
+        """Say what the scene has not, or that one child is chosen."""
+        if scene.splitter is None:
+            return "no surface sends a ray on as two"
+        return "splitting is false: of two children one is chosen"
 
     def serves(self, kind: type[Described]) -> bool:
         """Where an object of it may split."""

@@ -49,7 +49,7 @@ def _row(study: CostStudy, row: CostSetting) -> tuple[str, ...]:
         amount(row.interactions_per_s / 1e6, 3),
         _percent(row.relative_sigma),
         _percent(row.relative_bias),
-        _percent(_relative_bias_sigma(row)),
+        _percent(row.relative_bias_sigma),
         *gain,
         _seconds(row),
     )
@@ -57,12 +57,6 @@ def _row(study: CostStudy, row: CostSetting) -> tuple[str, ...]:
 
 def _percent(part: float | None) -> str:
     return "–" if part is None else amount(100.0 * part, 2)
-
-
-def _relative_bias_sigma(row: CostSetting) -> float | None:
-    if row.bias is None or row.bias_sigma is None or row.estimate == row.bias:
-        return None
-    return row.bias_sigma / abs(row.estimate - row.bias)
 
 
 def _seconds(row: CostSetting) -> str:
