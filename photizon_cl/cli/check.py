@@ -6,7 +6,7 @@ import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from photizon_cl.cli.arguments import PRECISION, add_scene, load_scene
+from photizon_cl.cli.arguments import PRECISION, add_scene, load_scene, number
 
 if TYPE_CHECKING:
     import argparse
@@ -24,6 +24,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
     parser.add_argument("--precision", metavar="P", help=f"for a run in {PRECISION}")
     parser.add_argument(
+        "--target", type=number, metavar="S",
+        help="tell the time to this median relative σ instead of the scene's, in (0, 1]",
+    )  # fmt: skip
+    parser.add_argument(
         "--no-pilot",
         action="store_true",
         help="trace nothing, neither a pilot nor to time devices: at once, and without a device",
@@ -33,8 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def call(arguments: argparse.Namespace) -> int:
     """Check a scene; return the exit status."""
     from photizon_cl.checks.precision import DEFAULT, fitting_mode
+    from photizon_cl.run.batches import with_settings
 
-    scene = load_scene(arguments)
+    scene = with_settings(load_scene(arguments), target_sigma=arguments.target)
     _print(scene, fitting_mode(arguments.precision or DEFAULT, scene), not arguments.no_pilot)
     return 0
 

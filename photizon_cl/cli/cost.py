@@ -82,8 +82,8 @@ def show(study: CostStudy, out: Console) -> None:
     out.print(heading(study.scene, f"  {printable(study.quantity)}"))
     out.print(
         paragraph(
-            f"{study.device}; {study.rays_per_batch} rays a batch, seed {study.seed}; bias against "
-            f"{study.reference}",
+            f"{study.device}; {study.rays_per_batch} rays a batch for this study, seed "
+            f"{study.seed}; bias against {study.reference}",
             "",
         ),
         soft_wrap=True,
@@ -115,8 +115,10 @@ def show(study: CostStudy, out: Console) -> None:
     out.print()
     out.print(
         paragraph(
-            "M/s: million interactions a second; gain: times as soon to the same σ as the scene as "
-            "it stands; seconds: predicted / measured, – where not reached; * the bias shows",
+            f"{study.given} is the scene as it stands, in every other row one thing is another; "
+            "M/s: million interactions a second; gain: times as soon to the same σ; σ is that of "
+            "each row's own seconds; seconds: predicted / measured, – where not reached; * the "
+            "bias shows",
             "",
         ),
         soft_wrap=True,

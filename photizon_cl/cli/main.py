@@ -204,7 +204,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
-        arguments = parser().parse_args(argv)
+        arguments, unknown = parser().parse_known_args(argv)
+        if unknown:
+            _Parser(prog=f"photizon {arguments.verb}").error(
+                f"unrecognized arguments: {' '.join(unknown)}"
+            )
     except SystemExit as leaving:  # --help, --version, or a message that is out already
         return leaving.code if isinstance(leaving.code, int) else 0
     try:

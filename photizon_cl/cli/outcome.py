@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from rich.text import Text
 
+from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.cli.tables import console, heading, paragraph, print_table, table
 from photizon_cl.errors import ResultError, printable, printable_lines
 from photizon_cl.result.tallies import only_counts, ranked
@@ -76,7 +77,7 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
         paragraph(
             f"{batches(result.batches)} of {run.rays_per_batch} rays, seed {run.seed}, "
             f"{result.info.interactions / 1e6:.4g} M interactions in {result.info.seconds:.2f} s "
-            f"on {result.info.device}",
+            f"{_mode(result)}on {result.info.device}",
             "",
         ),
         soft_wrap=True,
@@ -173,3 +174,9 @@ def _print_tallies(result: Result, out: Console) -> None:
         if left:
             rows.add_row(Text(f"… {left} more"))
         print_table(rows, out)
+
+
+def _mode(result: Result) -> str:
+    """Return in which precision a result was traced, where that is not the usual one."""
+    mode = result.info.precision
+    return "" if mode == DEFAULT else f"in {mode} "

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.result.cost import TARGETS
 from photizon_cl.result.stopping import LEAST_BATCHES
 
 if TYPE_CHECKING:
@@ -18,6 +19,8 @@ _WORTH: Final = 1.2
 """Times as soon to the same σ from which on a setting is worth a word."""
 _SURE: Final = 2.0
 """Standard errors by which it must be."""
+_SMALL: Final = 0.1
+"""Part of the smallest target up to which a bias is no matter."""
 _CLOSED: Final = 1e-14
 """Closure, in parts of the emitted power, that is rounding."""
 
@@ -54,6 +57,16 @@ def _lines(study: CostStudy) -> Iterator[str]:
                 f"already, in {least:.2g} s"
             )
     others = [row for row in study if row.name != study.given]
+    small = [row for row in others if row.is_biased and not _matters(row)]
+    if small:
+        named = ", ".join(
+            f"{row.written or row.name} ({100.0 * (row.relative_bias or 0.0):.2g} %)"
+            for row in small
+        )
+        yield (
+            f"off by less than {100.0 * _SMALL * TARGETS[-1]:g} %, which is no matter where σ is "
+            f"{100.0 * TARGETS[-1]:g} %: {named}"
+        )
     for knob, rows in groupby(others, key=lambda row: row.knob):
         yield from _of_knob(study, knob, list(rows))
 
@@ -67,7 +80,7 @@ def _of_knob(study: CostStudy, knob: str, rows: list[CostSetting]) -> Iterator[s
         and gains[row.name][0] > _WORTH
         and gains[row.name][0] - _SURE * gains[row.name][1] > 1.0
     ]
-    true = [row for row in worth if not row.is_biased]
+    true = [row for row in worth if not _matters(row)]
     if true:
         best = max(true, key=lambda row: gains[row.name][0])
         ratio, error = gains[best.name]
@@ -76,7 +89,7 @@ def _of_knob(study: CostStudy, knob: str, rows: list[CostSetting]) -> Iterator[s
             f"({ratio:.2g} ± {error:.1g} times as soon); {_no_bias(best)}"
         )
     for row in rows:
-        if row.is_biased:
+        if _matters(row):
             sooner = ""
             if row in worth:
                 sooner = f", though {gains[row.name][0]:.2g} times as soon to the same σ"
@@ -90,8 +103,14 @@ def _of_knob(study: CostStudy, knob: str, rows: list[CostSetting]) -> Iterator[s
             f"{worst.written or worst.name} takes {1.0 / gains[worst.name][0]:.2g} times as long "
             "to the same σ"
         )
-    if gains and not worth and not slower and not any(row.is_biased for row in rows):
-        yield f"{knob}: nothing that was tried changes the time to a σ by a fifth"
+    if gains and not worth and not slower and not any(map(_matters, rows)):
+        yield f"{knob}: no value that was tried is surely sooner to a σ by a fifth or more"
+
+
+def _matters(row: CostSetting) -> bool:
+    """Say whether a bias shows that is no small part of the smallest σ that anyone asks for."""
+    relative = row.relative_bias
+    return row.is_biased and (relative is None or abs(relative) > _SMALL * TARGETS[-1])
 
 
 def _slower(gain: tuple[float, float]) -> bool:
@@ -111,5 +130,7 @@ def _bias(row: CostSetting) -> str:
 def _no_bias(row: CostSetting) -> str:
     if row.bias is None or row.bias_sigma is None or row.estimate == 0.0:
         return "its bias is not known"
+    if row.is_biased:
+        return f"its bias is {_bias(row)}"
     most = max(abs(row.bias), row.bias_sigma) / abs(row.estimate)
     return f"no bias shows, to {100.0 * most:.1g} %" if most else "it has no bias at all"

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.result.statistics import Accumulator
 
-__all__ = ["batches_needed"]
+__all__ = ["batches_needed", "sampling_step"]
 
 _MANY: Final = 16
 """Bins from which on their scatter tells how well their median is known."""
@@ -96,7 +96,7 @@ def _cells(
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return arrivals and relative variance of a batch, of the cells of a range with a mean."""
     if bins:
-        count, mean, error = tally.reached(first, n, _step(n))
+        count, mean, error = tally.reached(first, n, sampling_step(n, _LOOKED_AT))
     else:
         mean, error = tally.mean(first, n), tally.standard_error(first, n)
         count = tally.counts(first, n)
@@ -104,9 +104,17 @@ def _cells(
     return count[known], tally.batches * (error[known] / mean[known]) ** 2
 
 
-def _step(bins: int) -> int:
-    """Return which bins are looked at of very many: each so-manyth, a prime, so across columns."""
-    step = -(-bins // _LOOKED_AT)
+def sampling_step(bins: int, most: int) -> int:
+    """Return which bins are looked at of very many: each so-manyth, a prime, so across columns.
+
+    Parameters
+    ----------
+    bins : int
+        How many there are.
+    most : int
+        How many are looked at.
+    """
+    step = -(-bins // most)
     while any(step % d == 0 for d in range(2, math.isqrt(step) + 1)):
         step += 1
     return step

@@ -7,6 +7,8 @@ from typing import Final
 
 __all__ = ["Outlay"]
 
+_MOST_LIT: Final = 0.8
+"""Part of the bins below which the others are worth a word."""
 _LONG: Final = 1.5
 """Times `max_seconds` that a target must take for a word: what is told may be off by a third."""
 
@@ -25,6 +27,8 @@ class Outlay:
         Of tracing until it is met, and between which they should lie in 95 of 100 runs.
     batches : float
         Of the run's rays.
+    lit : float
+        Part of the maps' bins that those rays light, 1 where the target is on none.
     max_seconds : float
         Time at which the run ends.
     """
@@ -35,14 +39,21 @@ class Outlay:
     low: float
     high: float
     batches: float
+    lit: float
     max_seconds: float
 
     def __str__(self) -> str:
         aim = f"{100.0 * self.target:g} %"
         n = round(self.batches)
+        dark = ""
+        if self.lit < _MOST_LIT:
+            dark = (
+                f"; of the bins these light {100.0 * self.lit:.0f} %, and where the others come "
+                "to count it may take far longer"
+            )
         return (
-            f"about {_time(self.seconds)} to the target of {aim} ({_time(self.low)} to "
-            f"{_time(self.high)}), {n} batch{'es' * (n != 1)}, by {self.rays} rays traced for it"
+            f"about {_time(self.seconds)} of tracing to the target of {aim} ({_time(self.low)} to "
+            f"{_time(self.high)}), {n} batch{'es' * (n != 1)}, as {self.rays} rays tell{dark}"
         )
 
     def advice(self) -> str:

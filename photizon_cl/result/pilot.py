@@ -35,6 +35,8 @@ _STEADY: Final = 0.01
 any way that a cap could use."""
 _LONG: Final = 1e8
 """Interactions of a batch that take many seconds on a few cores."""
+_ENDLESS: Final = 1e3
+"""Interactions of a ray that had not ended: it splits again and again, or cannot get away."""
 _BY: Final = "by total reflection or by faces that take nothing"
 UNTOLD: Final = (
     f"raise generation_cap; where a higher one cuts as much, the light is trapped, {_BY}, and no "
@@ -155,7 +157,7 @@ class Pilot:
             Of that run.
         """
         batch = self.interactions * rays_per_batch
-        if not self.complete and batch > _LONG:
+        if not self.complete and (batch > _LONG or self.interactions > _ENDLESS):
             return (
                 f"{self.rays} rays of a pilot made {self.interactions:.3g} interactions each and "
                 f"had not ended at the generation cap of {self.cap}: a batch of {rays_per_batch} "

@@ -35,8 +35,8 @@ __all__ = ["RecipeText"]
 _PREFIX: Final = "pz1-"
 _BITS: Final = ("seed", "rays_per_batch", "generation_cap", "roulette_floor")
 """Settings that the bits of a batch depend on."""
-_ASKED: Final = "effects"
-"""One more of them, which stands in a recipe only where it is given."""
+_ASKED: Final = (("effects", None), ("splitting", True))
+"""More of them and their defaults, which stand in a recipe only where they are something else."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +78,9 @@ class RecipeText:
         """The recipe as one word of ASCII."""
         preset = next((n for n in preset_names() if _alike(load(n), self.scene)), None)
         run = {name: getattr(self.scene.run, name) for name in _BITS}
-        if self.scene.run.effects is not None:
-            run[_ASKED] = self.scene.run.effects
+        for name, usual in _ASKED:
+            if (value := getattr(self.scene.run, name)) != usual:
+                run[name] = value
         tables = {k: v for k, v in self.scene.to_dict().items() if k not in ("run", "notes")}
         content = {
             "scene": tables if preset is None else preset,
@@ -235,7 +236,7 @@ def _scene(content: dict[str, Any]) -> Scene:
     else:
         scene = read_scene(Scene, tables)
     given = {name: content["run"][name] for name in _BITS}
-    given[_ASKED] = content["run"].get(_ASKED)
+    given |= {name: content["run"].get(name, usual) for name, usual in _ASKED}
     scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, **given))
     if scene.digest() != content["scene_digest"]:
         raise RecipeError(

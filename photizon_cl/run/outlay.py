@@ -7,18 +7,21 @@ import math
 import time
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from hostcode.errors import Abandoned
 from hostcode.run.usual import usual_plan
 from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.needed import batches_needed
 from photizon_cl.result.outlay import Outlay
-from photizon_cl.result.statistics import Accumulator, complete
-from photizon_cl.result.stopping import LEAST_BATCHES
+from photizon_cl.result.statistics import LIT_COUNT, Accumulator, complete
+from photizon_cl.result.stopping import LEAST_BATCHES, judged
 from photizon_cl.run.distribution import compute, make_engine, open_chosen
 
 if TYPE_CHECKING:
     from hostcode.device.device import DeviceRecord
+    from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.scene.model import Scene
 
 __all__ = ["outlay"]
@@ -96,5 +99,13 @@ def outlay(
     seconds = batches * run.rays_per_batch * pace
     return Outlay(
         tally.batches * rays, run.target_sigma, seconds, seconds / factor, seconds * factor,
-        batches, run.max_seconds,
+        batches, _lit(compiled.layout, tally), run.max_seconds,
     )  # fmt: skip
+
+
+def _lit(layout: TallyLayout, tally: Accumulator) -> float:
+    """Return which part of the bins that the target is on are lit; 1 where it is on none."""
+    ranges = [r for found, bins in judged(layout) if bins for r in found]
+    if not ranges:
+        return 1.0
+    return float(np.concatenate([tally.counts(*r) >= LIT_COUNT for r in ranges]).mean())

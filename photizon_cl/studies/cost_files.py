@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from photizon_cl.atomic import reason, replacing
-from photizon_cl.errors import ResultError, show
+from photizon_cl.errors import ArgumentError, ResultError, show
 from photizon_cl.result.cost_file import COST_FIGURE, COST_NUMBERS, is_study, study_text
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ def check_folder(path: str | os.PathLike[str]) -> Path:
     ResultError
         Where it is a file, or holds files of these names that are none of ours.
     """
+    from photizon_cl.views.figures.style import check_figure
+
     folder = Path(os.fsdecode(path))
     shown = show(str(folder))
     try:
@@ -38,6 +40,10 @@ def check_folder(path: str | os.PathLike[str]) -> Path:
             f"{shown} holds {show(COST_NUMBERS)}, which is no cost study and is not replaced: give "
             "another directory, or move it away"
         )
+    try:
+        check_figure(folder / COST_FIGURE)
+    except ArgumentError as error:
+        raise ResultError(str(error)) from None
     return folder
 
 
@@ -49,7 +55,6 @@ def save(study: CostStudy, path: str | os.PathLike[str]) -> list[Path]:
     ResultError
         Where the directory cannot be used or written, see `check_folder`.
     """
-    from photizon_cl.errors import ArgumentError
     from photizon_cl.views.figures.cost_plot import draw_cost
     from photizon_cl.views.figures.style import replace_figure, write
 

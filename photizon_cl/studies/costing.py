@@ -18,7 +18,7 @@ from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.pilot import pilot
 from photizon_cl.scene.files import load
 from photizon_cl.scene.parameter_paths import quoted
-from photizon_cl.studies.knobs import KNOBS, Knob, Option, as_it_stands
+from photizon_cl.studies.knobs import KNOBS, Knob, Option, as_it_stands, with_cap
 from photizon_cl.studies.trial import Trial
 
 if TYPE_CHECKING:
@@ -140,9 +140,14 @@ class Study:
         options = [o for knob in self.knobs for o in knob(scene, cap)]
         reference = first
         trials = [first]
+        if cap != scene.run.generation_cap:
+            # what each setting does by itself shows where the cap cuts nothing
+            careful = with_cap(scene, cap)
+            options = [o for knob in self.knobs for o in knob(careful.scene, cap)]
+            options = [careful, *(o for o in options if o.scene.run != scene.run)]
         for option in options:
-            careful = option.knob == "generation_cap" and option.value == cap
-            if self._over(0.5) and not careful:
+            is_reference = option.knob == "generation_cap" and option.value == cap
+            if self._over(0.5) and not is_reference:
                 self.left_out.append((option.name, "no time was left to build its program"))
                 continue
             try:
@@ -156,10 +161,12 @@ class Study:
                 continue
             if not trial.batches:
                 why = f"a batch takes more than {_PATIENCE:g} times as long as with fp64"
+                if self._over():
+                    why = "no time was left to trace it"
                 self.left_out.append((option.name, why))
                 continue
             trials.append(trial)
-            if careful:
+            if is_reference:
                 reference = trial
         self._take_turns(trials, reference)
         return self._told(trials, first, reference, known)
@@ -280,6 +287,11 @@ class Study:
     def _told(
         self, trials: list[Trial], first: Trial, reference: Trial, known: Pilot | None
     ) -> CostStudy:
+        if first.bins is not None:  # σ of the same bins everywhere, or nothing could be compared
+            lit = first.bins.lit
+            for trial in trials:
+                if trial.bins is not None:
+                    trial.bins.judge(lit)
         rows = tuple(trial.row(reference) for trial in trials)
         study = CostStudy(
             scene=self.given.name,
@@ -304,6 +316,8 @@ class Study:
                 if known is not None
                 else ""
             )
+        if self.interrupted():
+            more.append("the study was interrupted: fewer batches than there was time for")
         return dataclasses.replace(study, advice=(*advice(study), *more))
 
 

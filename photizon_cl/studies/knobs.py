@@ -73,6 +73,11 @@ def _with(scene: Scene, knob: str, value: Any, name: str) -> Option:
     return Option(name, knob, value, f"{knob} = {json.dumps(value)}", changed)
 
 
+def with_cap(scene: Scene, cap: int) -> Option:
+    """Return a scene with another generation cap as an option."""
+    return _with(scene, "generation_cap", cap, f"cap {cap}")
+
+
 def _roulette(scene: Scene, cap: int) -> Iterator[Option]:
     own = scene.roulette_floor()
     for floor in _FLOORS:
@@ -85,7 +90,7 @@ def _cap(scene: Scene, cap: int) -> Iterator[Option]:
     own = scene.run.generation_cap
     for value in sorted({max(own // 4, 1), max(own // 2, 1), cap}):
         if value != own and value <= MAX_GENERATION_CAP:
-            yield _with(scene, "generation_cap", value, f"cap {value}")
+            yield with_cap(scene, value)
 
 
 def _splitting(scene: Scene, cap: int) -> Iterator[Option]:
@@ -98,7 +103,7 @@ def _batch(scene: Scene, cap: int) -> Iterator[Option]:
     own = scene.run.rays_per_batch
     for value in (own // 8, own * 8):
         if max(len(scene.source), 1) <= value <= MAX_RAYS_PER_BATCH:
-            yield _with(scene, "rays_per_batch", value, f"batches of {value}")
+            yield _with(scene, "rays_per_batch", value, f"batch {value}")
 
 
 def _precision(scene: Scene, cap: int) -> Iterator[Option]:

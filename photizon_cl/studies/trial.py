@@ -16,6 +16,7 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.quantities import quantity_of, scalars
 from photizon_cl.result.cost import ROUNDING, TARGETS, CostSetting, TargetTime
 from photizon_cl.result.ledger import closure_of, watts
+from photizon_cl.result.needed import sampling_step
 from photizon_cl.result.statistics import LIT_COUNT, complete
 from photizon_cl.result.stopping import LEAST_BATCHES
 from photizon_cl.run.distribution import compute, make_engine, open_chosen
@@ -39,7 +40,9 @@ _POINTS: Final = 24
 """Points of a curve of σ over seconds."""
 _MORE: Final = 8
 """Times as many batches as in the last turn that a turn may have."""
-_DENSE: Final = 1.02
+_BINS: Final = 4096
+"""Bins of a map that are looked at: of so many the median is known to 2 %."""
+_DENSE: Final = 1.04
 """Times as many batches behind which the σ of bins is asked for again."""
 
 
@@ -238,49 +241,67 @@ class Trial:
 
 
 class Bins:
-    """Relative σ of many bins: the median over those that are lit, as a run's target has it.
+    """Relative σ of many bins: the median over those that are lit in the scene as it stands.
 
     Parameters
     ----------
     first, n : int
-        First cell, and number of bins.
+        First cell, and number of bins. Of very many each so-manyth is looked at.
     """
 
     def __init__(self, first: int, n: int) -> None:
         self.first, self.n = first, n
-        self._first: NDArray[np.float64] | None = None
-        self._sum, self._square = np.zeros(n), np.zeros(n)
-        self._counts = np.zeros(n, np.int64)
-        self._batches, self._next = 0, 1
-        self._curve: list[tuple[int, float]] = []
+        self._every = sampling_step(n, _BINS)
+        self._start: NDArray[np.float64] | None = None
+        shape = len(range(0, n, self._every))
+        self._sum, self._square = np.zeros(shape), np.zeros(shape)
+        self._counts = np.zeros(shape, np.int64)
+        self._batches, self._next = 0, 2
+        self._curve: list[tuple[int, NDArray[np.float32]]] = []
+        self._judged: NDArray[np.bool_] | None = None
 
     def add(self, cells: NDArray[np.int64] | SparseTally) -> None:
         """Add a batch, in canonical form."""
-        found = whole_of(cells, self.first, self.n)
-        if self._first is None:
-            self._first = values(found)
-        each = values(found) - self._first  # what all have in common has no scatter
+        found = whole_of(cells, self.first, self.n)[:: self._every]
+        if self._start is None:
+            self._start = values(found)
+        each = values(found) - self._start  # what all have in common has no scatter
         self._sum += each
         self._square += each * each
         self._counts += found[:, 3]
         self._batches += 1
         if self._batches >= self._next:
-            self._curve.append((self._batches, self._median()))
+            self._curve.append((self._batches, self._relative()))
             self._next = max(self._batches + 1, math.floor(self._batches * _DENSE))
 
-    def curve(self) -> Curve:
-        """Return batches, and the relative σ behind them."""
-        if not self._curve or self._curve[-1][0] < self._batches:
-            self._curve.append((self._batches, self._median()))
-        return tuple(self._curve)
+    @property
+    def lit(self) -> NDArray[np.bool_]:
+        """Which of the bins that are looked at have ten arrivals."""
+        return self._counts >= LIT_COUNT
 
-    def _median(self) -> float:
-        n, lit = self._batches, self._counts >= LIT_COUNT
-        if n < 2 or self._first is None or not lit.any():
-            return math.inf
-        mean = self._sum[lit] / n
-        square = np.maximum(self._square[lit] / n - mean * mean, 0.0)
-        return float(np.median(np.sqrt(square / (n - 1)) / (self._first[lit] + mean)))
+    def judge(self, lit: NDArray[np.bool_]) -> None:
+        """Have σ be that of some of the bins that are looked at."""
+        self._judged = lit
+
+    def curve(self) -> Curve:
+        """Return batches, and the median relative σ behind them; infinite where most are dark."""
+        if self._batches > 1 and (not self._curve or self._curve[-1][0] < self._batches):
+            self._curve.append((self._batches, self._relative()))
+        judged = self.lit if self._judged is None else self._judged
+        if not judged.any() or not self._curve:
+            return ((self._batches, math.inf),)
+        return tuple((n, float(np.median(sigma[judged]))) for n, sigma in self._curve)
+
+    def _relative(self) -> NDArray[np.float32]:
+        """Return σ over the mean of each bin; infinite where nothing came."""
+        assert self._start is not None
+        n = self._batches
+        mean = self._sum / n
+        square = np.maximum(self._square / n - mean * mean, 0.0)
+        value = self._start + mean
+        found = np.full(len(value), np.inf, np.float32)
+        np.divide(np.sqrt(square / (n - 1)), value, out=found, where=value > 0.0, casting="unsafe")
+        return found
 
 
 def total_of(quantity: Quantity, layout: TallyLayout) -> int:

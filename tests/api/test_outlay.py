@@ -50,10 +50,15 @@ def test_nothing_is_told_where_nothing_arrives_or_bins_are_too_many():
 
 
 def test_where_the_time_will_not_do_it_is_advised():
-    told = Outlay(1000, 0.01, 240.0, 200.0, 300.0, 500.4, 60.0)
+    told = Outlay(1000, 0.01, 240.0, 200.0, 300.0, 500.4, 1.0, 60.0)
     assert str(told) == (
-        "about 4 min to the target of 1 % (3.3 min to 5 min), 500 batches, by 1000 rays traced "
-        "for it"
+        "about 4 min of tracing to the target of 1 % (3.3 min to 5 min), 500 batches, as 1000 rays "
+        "tell"
+    )
+    dark = dataclasses.replace(told, lit=0.3)
+    assert str(dark).endswith(
+        "as 1000 rays tell; of the bins these light 30 %, and where the others come to count it "
+        "may take far longer"
     )
     # four times the seconds are twice the σ
     assert told.advice() == (
@@ -69,15 +74,17 @@ def test_where_the_time_will_not_do_it_is_advised():
     [(0.5, "0.5 s"), (99.0, "99 s"), (120.0, "2 min"), (7200.0, "2 h"), (8.64e6, "1e+02 days")],
 )
 def test_times_are_said_in_units_that_fit(seconds, text):
-    assert f"about {text} to" in str(Outlay(1, 0.1, seconds, 1.0, 2.0, 1.0, 60.0))
+    assert f"about {text} of tracing to" in str(Outlay(1, 0.1, seconds, 1.0, 2.0, 1.0, 1.0, 60.0))
 
 
 def test_check_says_it(capsys):
-    assert main(["check", "box-room", "--set", "run.target_sigma=0.0001"]) == 0
+    assert main(["check", "box-room", "--target", "0.0001"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "time: about " in said
     assert "to the target of 0.01 %" in said
     assert "- the target of 0.01 % takes about" in said
     assert "max_seconds ends the run after 60 s" in said
+    assert main(["check", "box-room", "--target", "2"]) == 2
+    assert "target_sigma" in capsys.readouterr().err
     assert main(["check", "box-room", "--no-pilot"]) == 0
     assert "time: about" not in capsys.readouterr().out

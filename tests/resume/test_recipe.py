@@ -230,3 +230,17 @@ def test_command_line(sphere, tmp_path, capsys):
     assert main(["run"]) == 2
     assert "SCENE: found nothing" in capsys.readouterr().err
     assert main(["recipe", str(tmp_path)]) == 2
+
+
+@pytest.mark.parametrize("precision", ["fp64", "fp32"])
+def test_a_run_that_chooses_one_child_is_made_again_and_goes_on(tmp_path, precision):
+    scene = pz.load("ghost-ladder").replace(
+        {"run.splitting": False, "run.rays_per_batch": 512, "element.front.surface.index": 1.6}
+    )
+    result = pz.trace(scene, batches=2, precision=precision)
+    result.save(tmp_path, figures=False)
+    again = pz.Recipe.read((tmp_path / "recipe.txt").read_text())
+    assert again.scene.run.splitting is False
+    assert again.trace().tally_digest == result.tally_digest
+    result.save(tmp_path, figures=False)  # its own recipe is known
+    assert pz.resume(tmp_path, batches=3).batches == 3

@@ -10,7 +10,7 @@ import pytest
 
 import photizon_cl as pz
 from photizon_cl.result.forecast import Forecast, Outlook
-from photizon_cl.result.needed import _step, batches_needed
+from photizon_cl.result.needed import batches_needed, sampling_step
 from photizon_cl.result.stopping import Goal
 
 WALL = "ledger.absorbed.wall"
@@ -144,7 +144,13 @@ def test_the_median_of_many_bins_is_known_well():
 
 
 def test_of_very_many_bins_some_of_every_column_are_looked_at():
-    assert [_step(n) for n in (1, 65536, 65537, 200_000, 2048 * 2048)] == [1, 1, 2, 5, 67]
+    assert [sampling_step(n, 65536) for n in (1, 65536, 65537, 200_000, 2048 * 2048)] == [
+        1,
+        1,
+        2,
+        5,
+        67,
+    ]
     n = 2048 * 2048
     tally = Bins(10, [50] * n, np.tile([1.0, 2.0, 2.0, 3.0], n // 4))
     found, _ = batches_needed(watching((0, n)), tally, 0.1)

@@ -1,0 +1,42 @@
+"""Single precision has 2^24 polar angles from a point, and a detector far off sees few of them."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import photizon_cl as pz
+
+
+def scene(radius, kind=pz.IsotropicPoint, away=1.0):
+    lamp = {"name": "lamp", "position": [0, 0, 0], "flux": 1.0}
+    if kind is pz.CollimatedDisk:
+        lamp |= {"axis": "+z", "radius": 0.1}
+    disk = pz.Disk(
+        name="disk", position=[0, 0, away], axis="-z", radius=radius, surface=pz.Absorber(),
+        detector=pz.Detector(),
+    )  # fmt: skip
+    return pz.Scene(name="s", source=[kind(**lamp)], element=[disk])
+
+
+def found(*args, precision="fp32", **more):
+    return [t for t in pz.advisories(scene(*args, **more), precision) if "polar angles" in t]
+
+
+@pytest.mark.parametrize("precision", ["mixed", "fp32"])
+def test_what_is_seen_under_few_directions_is_told_with_the_numbers(precision):
+    (text,) = found(6.5e-4, precision=precision)
+    part = 0.5 * (1.0 - math.cos(math.asin(6.5e-4)))
+    assert f"under a part {part:.1e} of all directions" in text
+    assert f"may be wrong by {2.0**-24 / part:.1e}" in text
+
+
+def test_what_is_large_or_in_double_precision_is_not():
+    assert not found(6.5e-4, precision="fp64")
+    assert not found(0.1)
+    assert found(0.1, away=10.0)
+
+
+def test_rays_that_start_anywhere_on_a_disk_even_it_out():
+    assert not found(6.5e-4, kind=pz.CollimatedDisk)
