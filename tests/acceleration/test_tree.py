@@ -182,6 +182,7 @@ def test_both_tables_give_the_same_codes():
         assert plain >> 32 == n
 
 
+@pytest.mark.slow
 def test_the_search_visits_few_nodes_of_many(device):
     counts = []
     for n in (64, 4096):

@@ -17,9 +17,9 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.effects.shares import Shares
 from photizon_cl.compile.effects.table import EFFECT_ROWS, EFFECTS
 from photizon_cl.result.effects import Effects, Price, ProgramCost, Ratio
-from photizon_cl.run import effects as listing
-from photizon_cl.run import pricing
 from photizon_cl.scene.presets import preset_names
+from photizon_cl.studies import effects as listing
+from photizon_cl.studies import pricing
 
 NARROW = ExecutionPlan(lanes=1, items=8, wave_rays=1 << 16, refill=1, stack_rays=64)
 """One lane builds fastest."""

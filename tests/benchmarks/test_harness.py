@@ -111,7 +111,9 @@ FAST = ("lambertian-sphere",)
 
 @pytest.mark.parametrize("name", preset_names())
 def test_a_preset_gives_its_stored_digest(name, device):
-    same, why = digests.compare(digests.entry(device, name), digests.stored().get(name))
+    # the bits are the same at every width, and narrow lanes build fastest
+    made = digests.entry(device, name, default_plan(device.record, 4))
+    same, why = digests.compare(made, digests.stored().get(name))
     assert same, f"{why}; after a change on purpose: python -m benchmarks.digests --write"
 
 
@@ -124,7 +126,7 @@ def test_a_preset_gives_its_stored_digest(name, device):
     ],
 )
 def test_a_preset_gives_its_stored_digest_in_single_precision(name, mode, device):
-    made = digests.entry(device, name, precision=mode)
+    made = digests.entry(device, name, default_plan(device.record, 4), precision=mode)
     same, why = digests.compare(made, digests.stored(mode).get(name))
     assert same, f"{why}; after a change on purpose: python -m benchmarks.digests --write"
 

@@ -29,7 +29,7 @@ def part_of(family: str) -> Row:
     cases = list(FAMILIES[family]())
     # fewer than half of the rays that graze can be compared in more than their decision
     least = 200 if family.endswith(("tangent", "rims")) else 96
-    wanted = min(len(cases), max(least, len(cases) // 8))
+    wanted = min(len(cases), max(least, len(cases) // 12))
     # scene by scene, since each takes a launch
     scenes = list(dict.fromkeys(case.elements for case in cases))
     random.Random(family).shuffle(scenes)

@@ -57,7 +57,11 @@ BROKEN = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name",
+    # its figures are those of the others, and many
+    [pytest.param(n, marks=pytest.mark.slow) if n == "room" else n for n in NAMES],
+)
 def test_reports_have_no_faults(browser, pages, name):
     assert faults(browser, pages[name]) == []
 

@@ -39,7 +39,10 @@ LEFT = {
     "acceleration": {f"kernels/{stem}.mako" for stem in KERNELS["acceleration"]}
     | {"hostcode/device/opened.py"},
     # a setting has its name
-    "splitting": {"photizon_cl/scene/model.py", "photizon_cl/studies/knobs.py"},
+    "splitting": {
+        "photizon_cl/result/recipe.py", "photizon_cl/scene/model.py",
+        "photizon_cl/studies/knobs.py",
+    },
     "roulette": {
         "photizon_cl/result/ledger.py", "photizon_cl/result/paths.py",
         "photizon_cl/views/report/claims.py", "photizon_cl/views/report/tables.py",
