@@ -100,7 +100,7 @@ def steep_rays():
         pytest.param(tiled_scene, 1000, 1.0, 0.0, marks=pytest.mark.slow),
         pytest.param(filled_scene, 1000, 1.0, 0.0, marks=pytest.mark.slow),
         pytest.param(filled_scene, 512, 1.0, 0.0, marks=pytest.mark.slow),
-        (filled_scene, 216, 2.0**-30, 0.0),
+        pytest.param(filled_scene, 216, 2.0**-30, 0.0, marks=pytest.mark.slow),
         (filled_scene, 216, 1e9, 0.0),
         (filled_scene, 216, 1.0, 3e5),
     ],

@@ -27,6 +27,10 @@ TINY = throughput.Settings(
 )
 
 
+slow = pytest.mark.slow
+"""A benchmark's own run builds a program for every cell, and says nothing of the engine."""
+
+
 @pytest.fixture(scope="module")
 def measured(device):
     report = Report(quiet=True)
@@ -34,6 +38,7 @@ def measured(device):
     return report.kept, data
 
 
+@slow
 def test_every_cell_is_measured_and_has_a_ratio(measured, device):
     _, data = measured
     found = data["scenes"]["box-room"]["cells"]
@@ -53,6 +58,7 @@ def test_every_cell_is_measured_and_has_a_ratio(measured, device):
         assert len(combinations) == len(of_count) >= 5
 
 
+@slow
 def test_all_cells_traced_the_same_bits_as_a_run_by_itself(measured, device):
     _, data = measured
     plan = default_plan(device.record, preferred_lanes(device.record)).with_(items=3)
@@ -60,6 +66,7 @@ def test_all_cells_traced_the_same_bits_as_a_run_by_itself(measured, device):
     assert data["scenes"]["box-room"]["digest"] == alone.digest()
 
 
+@slow
 def test_the_table_is_well_formed(measured):
     lines, _ = measured
     top = next(n for n, line in enumerate(lines) if line.startswith("composition"))
@@ -75,6 +82,7 @@ def test_the_table_is_well_formed(measured):
         assert all(re.match(r"\d+\.\d", part) for part in parts[2:])
 
 
+@slow
 def test_the_verdicts_are_said_with_their_numbers(measured):
     lines, data = measured
     said = [verdict["text"] for verdict in data["acceptance"]]
@@ -88,6 +96,7 @@ def test_the_verdicts_are_said_with_their_numbers(measured):
         assert verdict["holds"] in (True, False, None)
 
 
+@slow
 def test_the_data_is_plain_json(measured, tmp_path):
     lines, data = measured
     report = Report(quiet=True)
@@ -97,6 +106,7 @@ def test_the_data_is_plain_json(measured, tmp_path):
     assert "box-room" in text.read_text(encoding="utf-8")
 
 
+@slow
 def test_cells_that_disagree_are_no_result(measured):
     cell = cells.Cell(cells.PACKETS, cells.ExecutionPlan(), 1)
     timing = throughput.Timing(1.0, 1, 0.0, 1.0, "sha256:one")
