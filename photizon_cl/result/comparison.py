@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     _Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
 
-__all__ = ["COMPARISON_SCHEMA", "Comparison", "Difference", "compared"]
+__all__ = ["COMPARISON_SCHEMA", "Comparison", "Difference", "compared", "error_of_mean"]
 
 COMPARISON_SCHEMA: Final = "photizon-comparison/1"
 
@@ -202,7 +202,7 @@ def _of(quantity: Estimate, batches: int, both: _Pair | None, which: int) -> Est
     """Return what the batches say that are compared."""
     if both is None or len(both[which]) == batches:
         return quantity
-    return Estimate(float(both[which].mean()), _error(both[which]))
+    return Estimate(float(both[which].mean()), error_of_mean(both[which]))
 
 
 def _row(
@@ -222,13 +222,13 @@ def _row(
     x, y = both
     base = float(x.mean())
     ratio = float(y.mean()) / base if base else None
-    ratio_sigma = None if ratio is None else _error(y - ratio * x) / abs(base)
+    ratio_sigma = None if ratio is None else error_of_mean(y - ratio * x) / abs(base)
     apart = y - x
     return Difference(
-        name, a, b, float(apart.mean()), _error(apart), ratio, ratio_sigma, paired=True
+        name, a, b, float(apart.mean()), error_of_mean(apart), ratio, ratio_sigma, paired=True
     )
 
 
-def _error(values: NDArray[np.float64]) -> float:
+def error_of_mean(values: NDArray[np.float64]) -> float:
     """Return the standard error of the mean of at least two numbers."""
     return float(values.std(ddof=1)) / math.sqrt(len(values))

@@ -137,39 +137,47 @@ class Study:
         scene, first = self._begun()
         cap, known = self._reference_cap()
         scene, first = self._smaller(scene, first, cap)
-        options = [o for knob in self.knobs for o in knob(scene, cap)]
-        reference = first
-        trials = [first]
+        reference, trials = first, [first]
         if cap != scene.run.generation_cap:
-            # what each setting does by itself shows where the cap cuts nothing
-            careful = with_cap(scene, cap)
-            options = [o for knob in self.knobs for o in knob(careful.scene, cap)]
-            options = [careful, *(o for o in options if o.scene.run != scene.run)]
-        for option in options:
-            is_reference = option.knob == "generation_cap" and option.value == cap
-            if self._over(0.5) and not is_reference:
+            reference = self._tried(with_cap(scene, cap), first, first) or first
+            trials += [reference] if reference is not first else []
+        # what each setting does by itself shows beside a cap that cuts nothing
+        beside = reference.option.scene
+        for option in (o for knob in self.knobs for o in knob(beside, cap)):
+            if option.scene.run == scene.run and beside is not scene:
+                continue  # the scene as it stands again
+            if self._over(0.5):
                 self.left_out.append((option.name, "no time was left to build its program"))
                 continue
-            try:
-                trial = self._opened(option)
-                if trial.is_same(first):
-                    self.left_out.append((option.name, "no program of the scene has that part"))
-                    continue
-                self._advance(trial, 1, within=_PATIENCE * first.pace)
-            except (PhotizonError, HostError, MemoryError) as error:
-                self.left_out.append((option.name, str(error) or "no memory is left for it"))
-                continue
-            if not trial.batches:
-                why = f"a batch takes more than {_PATIENCE:g} times as long as with fp64"
-                if self._over():
-                    why = "no time was left to trace it"
-                self.left_out.append((option.name, why))
-                continue
-            trials.append(trial)
-            if is_reference:
-                reference = trial
+            trial = self._tried(option, first, reference)
+            trials += [] if trial is None else [trial]
         self._take_turns(trials, reference)
         return self._told(trials, first, reference, known)
+
+    def _tried(self, option: Option, first: Trial, reference: Trial) -> Trial | None:
+        """Return a setting's trial with its first batch; None, and why is kept, where it has none.
+
+        Parameters
+        ----------
+        option : Option
+            The setting.
+        first, reference : Trial
+            The scene as it stands, and what the setting is one change of.
+        """
+        try:
+            trial = self._opened(option)
+            if trial.is_same(reference):
+                self.left_out.append((option.name, "no program of the scene has that part"))
+                return None
+            self._advance(trial, 1, within=_PATIENCE * first.pace)
+        except (PhotizonError, HostError, MemoryError) as error:
+            self.left_out.append((option.name, str(error) or "no memory is left for it"))
+            return None
+        if trial.batches:
+            return trial
+        why = f"a batch takes more than {_PATIENCE:g} times as long as with fp64"
+        self.left_out.append((option.name, "no time was left to trace it" if self._over() else why))
+        return None
 
     def elapsed(self) -> float:
         """Return the seconds so far."""
@@ -212,7 +220,7 @@ class Study:
         Raises
         ------
         RunError
-            Where none ended in half of the time.
+            Where none ended in a quarter of the time.
         """
         usual = self.given.run.rays_per_batch
         few = max(_FEWEST_RAYS, len(self.given.source))
@@ -308,13 +316,10 @@ class Study:
         )
         more = []
         cap = reference.compiled.settings.generation_cap
-        left = dict(known.left).get(cap, 0.0) if known is not None else 0.0
-        if left > NEGLIGIBLE:
+        if known is not None and (left := dict(known.left).get(cap, 0.0)) > NEGLIGIBLE:
             more.append(
                 f"the reference's own cap of {cap} still cuts {100.0 * left:.2g} % of the emitted "
                 f"power: {known.remedy()}"
-                if known is not None
-                else ""
             )
         if self.interrupted():
             more.append("the study was interrupted: fewer batches than there was time for")

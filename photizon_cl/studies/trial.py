@@ -14,6 +14,7 @@ from hostcode.run.usual import usual_plan
 from photizon_cl.checks.precision import fitting_mode
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.quantities import quantity_of, scalars
+from photizon_cl.result.comparison import error_of_mean
 from photizon_cl.result.cost import ROUNDING, TARGETS, CostSetting, TargetTime
 from photizon_cl.result.ledger import closure_of, watts
 from photizon_cl.result.needed import sampling_step
@@ -212,8 +213,8 @@ class Trial:
             return None, None, False
         if (one.seed, one.rays_per_batch) == (other.seed, other.rays_per_batch):
             apart = x[:common] - y[:common]
-            return float(apart.mean()), _error(apart), True
-        return float(x.mean() - y.mean()), math.hypot(_error(x), _error(y)), False
+            return float(apart.mean()), error_of_mean(apart), True
+        return float(x.mean() - y.mean()), math.hypot(error_of_mean(x), error_of_mean(y)), False
 
     def _to(self, target: float, curve: Curve) -> TargetTime:
         """Return the seconds to a target, measured and predicted."""
@@ -312,10 +313,6 @@ def total_of(quantity: Quantity, layout: TallyLayout) -> int:
         if d.nx and d.map == quantity.first:
             return d.power
     return layout.escaped
-
-
-def _error(values: NDArray[np.float64]) -> float:
-    return float(values.std(ddof=1)) / math.sqrt(len(values))
 
 
 def _curve(values: NDArray[np.float64], value: float) -> Curve:
