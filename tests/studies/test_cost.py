@@ -110,9 +110,13 @@ def made(trial, seconds_of_a_batch):
 
 
 def test_bins_that_do_not_scatter_have_no_sigma():
-    bins = Bins(0, 4)
-    cells = np.zeros((4, 4), np.int64)
-    cells[:, 1], cells[:, 3] = (1 << 31) // 3, 100  # thirds: squares of them are rounded
+    # random values of all bits, whose squares are rounded
+    r = np.random.default_rng(5)
+    bins = Bins(0, 64)
+    cells = np.zeros((64, 4), np.int64)
+    cells[:, 0] = r.integers(1 << 29, 1 << 31, 64)
+    cells[:, 1] = r.integers(0, 1 << 32, 64)
+    cells[:, 3] = 100
     for _ in range(40):
         bins.add(cells)
     assert bins.curve()[-1] == (40, 0.0)
