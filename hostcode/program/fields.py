@@ -58,6 +58,10 @@ class RayField:
         Unit and meaning.
     empty : str
         Its value in a lane without a ray; default `start`.
+    onward, second : str
+        Its value behind an interaction, in the ray that goes on in its lane and in the second one:
+        C, in the scope of ``shade`` (kernels/lib/shade.mako), where ``p`` still is the ray before.
+        Without them it stays what it was.
     """
 
     name: str
@@ -65,6 +69,8 @@ class RayField:
     start: str
     meaning: str
     empty: str = ""
+    onward: str = ""
+    second: str = ""
 
     @property
     def cleared(self) -> str:

@@ -20,8 +20,9 @@ PLACES: Final = ("search", "survive", "tally")
 """Where the templates of effects stand: behind the elements' functions, before what may end a ray
 between two interactions, among what counts endings, which is a program of its own."""
 
-HOOKS: Final = ("travel", "surface", "survive")
-"""Where the statements of effects stand in an interaction, see kernels/lib/interaction.mako."""
+HOOKS: Final = ("travel", "surface", "survive", "arrival")
+"""Where the statements of effects stand: in an interaction, see kernels/lib/interaction.mako, and where
+an arrival is counted, see kernels/lib/detector.mako."""
 
 RECORDS: Final = ("arrivals", "escapes")
 """What effects may have recorded for the tally stage, see kernels/lib/shade.mako."""
@@ -72,6 +73,7 @@ def _tally_parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     placed = [entry for part in spec.parts for entry in part.templates]
     parts: list[tuple[str, dict[str, Any]]] = []
     parts += [(name, {}) for name in (*libraries, "lib/cells", "lib/bins")]
+    parts += [("lib/keyed", {})] if spec.keyed else []
     parts += [(f"filters/{stem}", {"option": option}) for stem, option in filters]
     parts += [(template, {}) for place, template in placed if place == "tally"]
     return [*parts, ("stages/tally", {})]
@@ -144,6 +146,8 @@ def program_source(spec: ProgramSpec) -> str:
         "recorded": spec.recorded,
         "splits": spec.splits,
         "pairs": spec.pairs,
+        "events": spec.events,
+        "keyed": spec.keyed,
         "passes": spec.passes,
         "orders": spec.orders,
         "hooks": _hooks(spec),

@@ -215,6 +215,10 @@ class EffectParts:
         Whether rays go on as two.
     pairs : bool
         Whether it looks at the second ray that a surface gives.
+    events : bool
+        Whether it asks what happened to the rays that a surface sends on (kernels/lib/event.mako).
+    keyed : bool
+        Whether it keeps cells by key (kernels/lib/keyed.mako).
     one_by_one : bool
         Whether each ray is searched for by itself, so that packets have one lane.
     orders : bool
@@ -234,6 +238,8 @@ class EffectParts:
     records: tuple[str, ...] = ()
     splits: bool = False
     pairs: bool = False
+    events: bool = False
+    keyed: bool = False
     one_by_one: bool = False
     orders: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
@@ -241,13 +247,17 @@ class EffectParts:
     def for_tally(self) -> EffectParts:
         """Return what of it concerns the program that counts endings."""
         templates = tuple(entry for entry in self.templates if entry[0] == "tally")
-        mine = EffectParts(ending=self.ending, launch=self.launch, records=self.records)
-        if not templates:
+        hooks = tuple(entry for entry in self.hooks if entry[0] == "arrival")
+        mine = EffectParts(
+            ending=self.ending, launch=self.launch, records=self.records, keyed=self.keyed
+        )
+        if not (templates or hooks):
             return mine
         return replace(
             mine,
             effect=self.effect,
             templates=templates,
+            hooks=hooks,
             libraries=self.libraries,
             parameters=self.parameters,
         )
@@ -366,6 +376,16 @@ class ProgramSpec:
         """Whether a surface may give two rays, whether or not both go on."""
         asked = self.splits or any(part.pairs for part in self.parts)
         return asked or any(surface.splits for surface in self.surfaces)
+
+    @property
+    def events(self) -> bool:
+        """Whether it is asked what happened to the rays that surfaces send on."""
+        return any(part.events for part in self.parts)
+
+    @property
+    def keyed(self) -> bool:
+        """Whether cells are kept by key."""
+        return any(part.keyed for part in self.parts)
 
     @property
     def passes(self) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 from hostcode.program.fields import REALS, of_type
 from hostcode.program.structs import ITEM, LAUNCH, STATUS, numpy_dtype
+from hostcode.run.keyed import KeyedTable
 from hostcode.run.queue import Queue
 from hostcode.run.tally import CELL, is_sparse
 
@@ -48,7 +49,8 @@ class Sizes:
     records : int
         Endings that a work-item writes down in a launch.
     buffers : dict of str to tuple of int
-        Bytes of the device's buffers: of the ``tally``, its ``copies``, ``waiting`` rays, the
+        Bytes of the device's buffers: of the ``tally``, its ``copies``, cells ``keyed`` by what
+        was met, ``waiting`` rays, the
         ``records`` of endings, and the ``scene``.
     """
 
@@ -86,6 +88,7 @@ class Sizes:
         buffers = {
             "tally": (one * slots,),
             "copies": (copies * one * slots,),
+            **({"keyed": (KeyedTable.size(slots),)} if spec.keyed else {}),
             "waiting": (
                 items * numpy_dtype(ITEM).itemsize,
                 *Queue.sizes(spec, items * capacity),

@@ -19,6 +19,7 @@ import numpy as np
 from hostcode.errors import Abandoned
 from hostcode.program.build import Program, build
 from hostcode.program.structs import ITEM, LAUNCH, STATUS, numpy_dtype
+from hostcode.run.keyed import KeyedRows, KeyedTable
 from hostcode.run.queue import Queue
 from hostcode.run.readout import read_dense, read_sparse
 from hostcode.run.sizes import LEAST, Sizes, hit_sizes
@@ -66,10 +67,13 @@ class BatchTally:
         Its number in the stream.
     cells : ndarray, shape (n_cells, 4), int64, or SparseTally
         Canonical limbs and counts, see `hostcode.run.tally`; sparse where there are very many.
+    keyed : KeyedRows or None
+        Cells by key; None where the scene keeps none.
     """
 
     batch: int
     cells: NDArray[np.int64] | SparseTally
+    keyed: KeyedRows | None = None
 
 
 @dataclass
@@ -81,6 +85,10 @@ class EngineStatistics:
     waves: int = 0
     seconds: float = 0.0
     enqueue_seconds: float = 0.0
+
+
+_Read = tuple["Sequence[NDArray[np.int64] | SparseTally]", "list[KeyedRows] | None"]
+"""Tallies of the batches in flight, and their cells by key."""
 
 
 class Engine:
@@ -139,6 +147,7 @@ class Engine:
         (tally,) = sizes.buffers["tally"]
         self._tally = allocate(tally)
         self._tally_copies = allocate(self._copies * self._tally.size)
+        self._keyed = KeyedTable(device, sizes.slots) if spec.keyed else None
         self._steps = min(_FIRST_STEPS, plan.max_bounces)
         self._clean = 0  # slots of whose tallies nothing is left in the copies
         self._record_capacity = sizes.records
@@ -197,6 +206,7 @@ class Engine:
                 *self._records,
                 self._tally_copies if self._copies else self._tally,
                 np.uint64(parts),
+                *self._keyed_arguments(),
                 size=parts if self._copies else self._items * parts,
                 of=1,
             )
@@ -207,6 +217,11 @@ class Engine:
                 self._launch_buffer, self._tally_copies, self._tally, np.uint64(self._copies)
             )
         self._kernels = kernels
+
+    def _keyed_arguments(self) -> tuple[Any, ...]:
+        """Return what the tally stage is told of the cells by key."""
+        table = self._keyed
+        return () if table is None else (table.buffer, np.uint64(table.capacity))
 
     @property
     def _most_steps(self) -> int:
@@ -274,10 +289,11 @@ class Engine:
         while done < n_batches:
             slots = min(self._slots, n_batches - done)
             started = time.perf_counter()
-            tallies = self._run_slots(first_batch + done, slots)
+            tallies, keyed = self._run_slots(first_batch + done, slots)
             self.statistics.seconds += time.perf_counter() - started
             for slot in range(slots):
-                yield BatchTally(first_batch + done + slot, tallies[slot])
+                by_key = None if keyed is None else keyed[slot]
+                yield BatchTally(first_batch + done + slot, tallies[slot], by_key)
             done += slots
 
     @property
@@ -285,13 +301,27 @@ class Engine:
         """How many batches are in flight together."""
         return self._slots
 
-    def _run_slots(self, first_batch: int, slots: int) -> Sequence[NDArray[np.int64] | SparseTally]:
+    def _run_slots(self, first_batch: int, slots: int) -> _Read:
+        """Trace the batches of the first slots, until the cells by key have room for them."""
+        made = self.statistics.interactions
+        while True:
+            found = self._drain(first_batch, slots)
+            if self._keyed is None or not self._keyed.too_small():
+                return found
+            self._keyed.grow()
+            self._bind()
+            self.statistics.interactions = made
+
+    def _drain(self, first_batch: int, slots: int) -> _Read:
         self._write_launch(first_batch)
+        if self._keyed is not None:
+            self._keyed.clear(slots)
         self._clear(self._tally, slots)
         clean, self._clean = self._clean, 0
         if slots > clean:
             self._clear(self._tally_copies, slots, self._copies)
         total: Any = None
+        keyed: list[KeyedRows] | None = None
         events = 0
         for items in self._waves(slots):
             self.statistics.waves += 1
@@ -305,6 +335,9 @@ class Engine:
                 if events > _EVENTS_BEFORE_FLUSH:
                     total = self._read(slots, total)
                     self._clear(self._tally, slots)
+                    if self._keyed is not None and not self._keyed.too_small():
+                        keyed = self._keyed.read(slots, keyed)
+                        self._keyed.clear(slots)
                     events = 0
                 if not unfinished:
                     break
@@ -316,7 +349,9 @@ class Engine:
                     self._write_launch(first_batch)
         tallies: Sequence[NDArray[np.int64] | SparseTally] = self._read(slots, total)
         self._clean = max(slots, clean)
-        return tallies
+        if self._keyed is not None:
+            keyed = self._keyed.read(slots, keyed)
+        return tallies, keyed
 
     def _adapt(self, took: float) -> bool:
         """Choose how many steps the next launch has; say whether that is another number."""

@@ -22,6 +22,9 @@ FN void choose(const launch_t *launch, const packet_t *p, const contact_t *c, le
         outcome->dx = SEL(second, outcome->second_dx, outcome->dx);
         outcome->dy = SEL(second, outcome->second_dy, outcome->dy);
         outcome->dz = SEL(second, outcome->second_dz, outcome->dz);
+% if events:
+        outcome->event = SELW(second, outcome->second_event, outcome->event);
+% endif
         outcome->went_plus = SELM(second, c->came_plus, outcome->went_plus);
         outcome->splits = NO_LANES;
         outcome->w = SEL_WEIGHT(both, ${point("choice.weight", "w")}, outcome->w);

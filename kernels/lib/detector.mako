@@ -1,3 +1,4 @@
+## keyed: whether an effect keeps cells by key; hooks
 ## forms: the tallies that detectors have, each with .filters (stem and option of each)
 // A detector counts arrivals on one side of an element: in a power cell, or in tallies of cells, each a
 // product of filters whose first one changes fastest.
@@ -15,12 +16,15 @@
 #define TALLY_EDGES(filter) (3 + 2 * (filter))
 #define DETECTOR_TALLY ${2 + 2 * max((len(form.filters) for form in forms), default=0)}
 #define DETECTOR_NUMBERS 12
-FN void count_arrival(__global long *cells, const launch_t *launch, __global const long *codes,
+FN void count_arrival(__global long *cells, ${"__global long *keyed, ulong slot, ulong keyed_capacity, " if keyed else ""} const launch_t *launch, __global const long *codes,
                       __global const double *numbers, __global const double *edges,
                       const ending_record_t *end) {
     const long which = codes[launch->detector_of + (end->tag >> 1)];
     __global const long *d = codes + codes[launch->detectors + which];
     if (${point("detector.other_side", "(end->tag & 1u) != (uint)d[DETECTOR_SIDE]")}) return;
+% for statement in hooks["arrival"]:
+${statement}
+% endfor
     // the power of a detector with tallies is the sum of one, which the host takes
     if (!d[DETECTOR_TALLIES]) add_exact(cells + d[DETECTOR_POWER] * CELL, end->w);
 % if forms:

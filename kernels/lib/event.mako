@@ -1,4 +1,5 @@
-## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes
+## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes, events (whether
+## what happened is asked for)
 // What a surface is told of a ray that meets it, and what it answers.
 //
 // Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
@@ -11,6 +12,13 @@ typedef struct {
     const contact_t *c;     // where it meets the face: point, normal, side
     ulong seed;             // of every draw
 } encounter_t;
+
+// What happens to a ray that goes on.
+#define PASSED 0u
+#define REFLECTED 1u
+#define TRANSMITTED 2u
+#define TOTALLY_REFLECTED 3u
+#define SCATTERED 4u
 
 // Rows of the material table: `only` for all lanes, where a kind has just one, else `row` of each.
 typedef struct {
@@ -33,6 +41,7 @@ FN weight weight_number(const material_t *material, int column) {
 // dx, dy, dz, w: the ray that goes on in its lane, none where w is 0.  went_plus: whether on the + side.
 // splits: lanes in which a second ray goes on, on the side that the ray came from, with direction second_d
 // and weight second_w.  passes: lanes in which nothing happened: the ray goes on in its generation.
+// event, second_event: what happened to each, where an effect asks.
 typedef struct {
     real dx, dy, dz;
     weight w;
@@ -44,6 +53,12 @@ typedef struct {
 % endif
 % if passes:
     mask passes;
+% endif
+% if events:
+    word event;
+% if pairs:
+    word second_event;
+% endif
 % endif
 } outcome_t;
 
@@ -60,18 +75,27 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
 % if passes:
     o.passes = NO_LANES;
 % endif
+% if events:
+    o.event = wsplat(PASSED);
+% if pairs:
+    o.second_event = wsplat(PASSED);
+% endif
+% endif
     return o;
 }
 
 // The ray goes on with a direction and a weight, on the side that it came from.
-FN void send_on(outcome_t *o, mask m, real dx, real dy, real dz, weight w) {
+FN void send_on(outcome_t *o, mask m, real dx, real dy, real dz, weight w, word event) {
     o->dx = SEL(m, dx, o->dx); o->dy = SEL(m, dy, o->dy); o->dz = SEL(m, dz, o->dz);
     o->w = SEL_WEIGHT(m, w, o->w);
+% if events:
+    o->event = SELW(m, event, o->event);
+% endif
 }
 % if pairs:
 
 // A second ray goes on beside it.
-FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, weight w) {
+FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, weight w, word event) {
 % if sum(s.splits for s in surfaces) == 1:
     // no other kind sends one: what lanes without one hold is not read
     o->second_dx = dx; o->second_dy = dy; o->second_dz = dz;
@@ -80,6 +104,9 @@ FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, weight w) {
     o->second_dx = SEL(m, dx, o->second_dx); o->second_dy = SEL(m, dy, o->second_dy);
     o->second_dz = SEL(m, dz, o->second_dz);
     o->second_w = SEL_WEIGHT(m, w, o->second_w);
+% endif
+% if events:
+    o->second_event = SELW(m, event, o->second_event);
 % endif
     o->splits |= m;
 }

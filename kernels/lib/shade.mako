@@ -1,4 +1,5 @@
-## surfaces (kinds in use: .kind, .number, .single, .absorbs, .splits), effects, recorded, splits, passes
+## surfaces (kinds in use: .kind, .number, .single, .absorbs, .splits), effects, recorded, splits, passes,
+## ray_fields (.onward, .second: their values behind a surface)
 // What happens to each lane: it escapes, or its surface takes, sends on or splits its weight.
 //
 // reads: packet, hit, contact.  writes: packet (in place), the ledger; `end` says which lanes arrive at a
@@ -113,8 +114,18 @@ ${statement}
     child->w = outcome.second_w;
     child->left = face | (INT_MASK(c->came_plus) & 2L);
     child->path = child_path(p->path, 1u);
+% for field in ray_fields:
+% if field.second:
+    child->${field.name} = ${field.second};
+% endif
+% endfor
     p->path = SELI(outcome.splits, child_path(p->path, 0u), p->path);
 % endif
+% for field in ray_fields:
+% if field.onward:
+    p->${field.name} = ${{"real": "SEL", "weight": "SEL_WEIGHT", "word": "SELW"}.get(field.type, "SELI")}(met, ${field.onward}, p->${field.name});
+% endif
+% endfor
     p->ox = c->x; p->oy = c->y; p->oz = c->z;
     p->dx = outcome.dx; p->dy = outcome.dy; p->dz = outcome.dz;
     p->w = outcome.w;

@@ -1,4 +1,4 @@
-## recorded, ending_fields, ending_real, ending_word; private_tallies
+## recorded, ending_fields, ending_real, ending_word; private_tallies, keyed
 // The tally stage: endings into cells.  One number at a time, since scattered cells gain nothing from
 // lanes; kept out of the bounce loop, which it would slow by 40 %.
 // from: records.  to: the batch's tally.
@@ -11,7 +11,11 @@
 __kernel void tally_stage(__global const launch_t *launch_buffer, __global const long *codes,
                           __global const double *detector_numbers, __global const double *edges,
                           __global const item_t *items, __global const double *record_reals,
-                          __global const uint *record_words, __global long *tally, ulong parts) {
+                          __global const uint *record_words, __global long *tally, ulong parts${"," if keyed else ""}
+% if keyed:
+                          __global long *keyed, ulong keyed_capacity
+% endif
+                          ) {
     const launch_t settings = open_launch(launch_buffer);
     const launch_t *launch = &settings;
 % if private_tallies:
@@ -40,7 +44,7 @@ __kernel void tally_stage(__global const launch_t *launch_buffer, __global const
         if (end.tag == UINT_MAX) count_escape(cells, launch, edges, &end);
 % endif
 % if "arrivals" in recorded:
-        if (end.tag != UINT_MAX) count_arrival(cells, launch, codes, detector_numbers, edges, &end);
+        if (end.tag != UINT_MAX) count_arrival(cells, ${"keyed, item.slot, keyed_capacity, " if keyed else ""}launch, codes, detector_numbers, edges, &end);
 % endif
     }
     }

@@ -45,7 +45,9 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     renormalise(&tx, &ty, &tz);
     const mask reflects = total | WEIGHT_LE(wt, weight_splat(0.0));
     send_on(outcome, event->m, SEL(reflects, x, tx), SEL(reflects, y, ty), SEL(reflects, z, tz),
-            SEL_WEIGHT(reflects, p->w, wt));
+            SEL_WEIGHT(reflects, p->w, wt),
+            SELW(total, wsplat(TOTALLY_REFLECTED), SELW(reflects, wsplat(REFLECTED), wsplat(TRANSMITTED))));
     outcome->went_plus = SELM(event->m & ~reflects, ~c->came_plus, outcome->went_plus);
-    send_second(outcome, ${point("fresnel.splits", "event->m & ~reflects & WEIGHT_GT(wr, weight_splat(0.0))")}, x, y, z, wr);
+    send_second(outcome, ${point("fresnel.splits", "event->m & ~reflects & WEIGHT_GT(wr, weight_splat(0.0))")}, x, y, z, wr,
+                wsplat(REFLECTED));
 }

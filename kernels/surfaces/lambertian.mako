@@ -4,5 +4,6 @@ FN void meet_lambertian(const encounter_t *event, const material_t *material, ou
     const packet_t *p = event->p;
     real x, y, z;
     scatter_diffusely(event->seed, p, event->c, &x, &y, &z);
-    send_on(outcome, event->m, x, y, z, ${point("lambertian.weight", "p->w * weight_number(material, LAMBERTIAN_REFLECTANCE)")});
+    send_on(outcome, event->m, x, y, z, ${point("lambertian.weight", "p->w * weight_number(material, LAMBERTIAN_REFLECTANCE)")},
+            wsplat(SCATTERED));
 }

@@ -5,5 +5,6 @@ FN void meet_mirror(const encounter_t *event, const material_t *material, outcom
     const contact_t *c = event->c;
     real x, y, z;
     reflect(p, c, &x, &y, &z);
-    send_on(outcome, event->m, x, y, z, ${point("mirror.weight", "p->w * weight_number(material, MIRROR_REFLECTANCE)")});
+    send_on(outcome, event->m, x, y, z, ${point("mirror.weight", "p->w * weight_number(material, MIRROR_REFLECTANCE)")},
+            wsplat(REFLECTED));
 }

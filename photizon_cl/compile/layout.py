@@ -93,11 +93,14 @@ class DetectorCells:
         Its power cell.
     tallies : tuple of TallyCells
         What it divides arrivals by.
+    paths : int
+        Rows of its path table, 0 without one.
     """
 
     element: int
     power: int
     tallies: tuple[TallyCells, ...]
+    paths: int = 0
 
     def tally(self, name: str) -> TallyCells | None:
         """Return a tally by name, None without one."""
@@ -295,6 +298,11 @@ class TallyLayout:
         return tuple(joined)
 
     @property
+    def most_paths(self) -> int:
+        """Rows of the path tables together, 0 where no detector has one."""
+        return sum(d.paths for d in self.detectors)
+
+    @property
     def far_field(self) -> int:
         """First cell of the far field; meaningless where the scene bins none."""
         group = self.group("far-field")
@@ -341,7 +349,8 @@ def lay_out(
         for name, filters in element.detector.tallies(element):
             tallies.append(TallyCells(name, cell, filters))
             cell += tallies[-1].size
-        found.append(DetectorCells(n, power, tuple(tallies)))
+        rows = element.detector.paths or 0
+        found.append(DetectorCells(n, power, tuple(tallies), rows))
     brought = []
     for effect, shape, labels, unit, scale in groups:
         brought.append(CellGroup(effect, cell, shape, labels, unit, scale))

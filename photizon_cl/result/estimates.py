@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.forecast import Forecast
     from photizon_cl.result.pilot import Pilot
     from photizon_cl.result.statistics import Accumulator
+    from photizon_cl.result.trails import Trails
     from photizon_cl.scene.model import Scene
 
 __all__ = ["RESULT_SCHEMA", "Estimates", "RunInfo"]
@@ -79,6 +80,8 @@ class RunInfo:
         What a pilot found, traced where power reached the generation cap; None where none was.
     forecast : Forecast or None
         How long the run would take, told from its first batches; None where it ended with them.
+    trails : Trails or None
+        Steps of the strongest paths to detectors, found at the end; None where none were looked for.
     portable : bool
         Whether every device that was used promises these bits, as all do in double precision.
     """
@@ -94,6 +97,7 @@ class RunInfo:
     stopped: str = ""
     pilot: Pilot | None = None
     forecast: Forecast | None = None
+    trails: Trails | None = None
     portable: bool = True
     version: str = __version__
     engine: str = field(default_factory=engine_digest)
@@ -159,8 +163,11 @@ class Estimates:
         return Table(
             "detectors",
             (
-                (elements[d.element].name, DetectorResult.of(self.compiled, self.tally, d))
-                for d in self.compiled.layout.detectors
+                (
+                    elements[d.element].name,
+                    DetectorResult.of(self.compiled, self.tally, d, number, self.info.trails),
+                )
+                for number, d in enumerate(self.compiled.layout.detectors)
             ),
             frozenset(elements.names),
             "that element has none; detector = {} in the scene gives it one",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from photizon_cl.result.ledger import Estimate, watts
+from photizon_cl.result.path_table import PathTable
 from photizon_cl.result.statistics import LIT_COUNT, known_part
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.compile.layout import DetectorCells
     from photizon_cl.result.statistics import Accumulator
+    from photizon_cl.result.trails import Trails
     from photizon_cl.scene.bins import MapBins
     from photizon_cl.scene.settings import FarField
 
@@ -222,11 +224,14 @@ class DetectorResult:
         Power per generation, where asked for.
     map : IrradianceMap or None
         Where asked for.
+    paths : PathTable or None
+        Where asked for.
     """
 
     power: Estimate
     ladder: tuple[Rung, ...] | None
     map: IrradianceMap | None
+    paths: PathTable | None = None
 
     def __repr__(self) -> str:
         parts = [f"{self.power} W", f"{self.power.count} arrivals"]
@@ -234,6 +239,8 @@ class DetectorResult:
             parts.append(f"{len(self.ladder)} generations")
         if self.map is not None:
             parts.append(f"map {self.map.count.shape[1]} × {self.map.count.shape[0]}")
+        if self.paths is not None:
+            parts.append(f"{len(self.paths)} paths")
         return f"<DetectorResult {', '.join(parts)}>"
 
     def summary(self) -> dict[str, Any]:
@@ -243,11 +250,20 @@ class DetectorResult:
             out["ladder"] = [rung.summary() for rung in self.ladder]
         if self.map is not None:
             out["map"] = self.map.summary()
+        if self.paths is not None:
+            out["paths"] = self.paths.summary()
         return out
 
     @classmethod
-    def of(cls, compiled: CompiledScene, tally: Accumulator, d: DetectorCells) -> DetectorResult:
-        """Return what a detector shows after the batches of `tally`."""
+    def of(
+        cls,
+        compiled: CompiledScene,
+        tally: Accumulator,
+        d: DetectorCells,
+        number: int,
+        trails: Trails | None,
+    ) -> DetectorResult:
+        """Return what the detector of a number shows after the batches of `tally`."""
 
         def estimates(first: int, n: int) -> list[Estimate]:
             errors = tally.standard_error(first, n) * compiled.unit_power
@@ -269,7 +285,9 @@ class DetectorResult:
                 for g, e in enumerate(estimates(d.ladder, d.n_generations))
             )
         power = estimates(d.power, 1)[0]
-        return cls(power, ladder, IrradianceMap.of(compiled, tally, d) if d.nx else None)
+        found = IrradianceMap.of(compiled, tally, d) if d.nx else None
+        table = PathTable.of(compiled, tally, d, number, trails) if d.paths else None
+        return cls(power, ladder, found, table)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

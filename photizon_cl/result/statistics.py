@@ -26,6 +26,7 @@ from hostcode.run.tally import (
 )
 from photizon_cl.errors import RunError
 from photizon_cl.result.batch_values import BatchValues
+from photizon_cl.result.keyed_sums import LEAST_ADMITTED, KeyedState, KeyedSums
 from photizon_cl.result.sums import TOTAL_LIMBS, DenseSums, SparseSums, Sums, welford
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from hostcode.run.keyed import KeyedRows
     from photizon_cl.compile.layout import TallyLayout
 
 __all__ = ["LIT_COUNT", "Accumulator", "AccumulatorState", "complete", "exact_sum", "known_part"]
@@ -127,6 +129,8 @@ class AccumulatorState:
         The only cells that have rows above where they are not all, ascending; all others are zero.
     batch_values : ndarray, shape (batches, k), float64, or None
         What single cells gave in each batch, in launched weights; None where that is not known.
+    keyed : KeyedState or None
+        Sums of cells by key; None where the scene keeps none.
     """
 
     batches: int
@@ -137,6 +141,7 @@ class AccumulatorState:
     digest: bytes
     cells: NDArray[np.int64] | None = None
     batch_values: NDArray[np.float64] | None = None
+    keyed: KeyedState | None = None
 
 
 class Accumulator:
@@ -171,15 +176,21 @@ class Accumulator:
         self._sums: Sums = SparseSums(n_cells) if is_sparse(n_cells) else DenseSums(n_cells)
         self._difference_mean = np.zeros(len(self.differences))
         self._difference_m2 = np.zeros(len(self.differences))
+        self.keyed: KeyedSums | None = None
+        """Sums of cells by key, where the scene keeps any."""
         self._digest = bytes(32)
 
-    def add(self, cells: NDArray[np.int64] | SparseTally) -> None:
+    def add(
+        self, cells: NDArray[np.int64] | SparseTally, keyed: KeyedRows | None = None
+    ) -> None:
         """Add the next batch.
 
         Parameters
         ----------
         cells : ndarray, shape (n_cells, 4), int64, or SparseTally
             Its completed tally in canonical form.
+        keyed : KeyedRows, optional
+            Its cells by key, where the scene keeps any.
 
         Raises
         ------
@@ -198,8 +209,13 @@ class Accumulator:
         chain = hashlib.sha256(self._digest)
         for part in self._image(cells):
             chain.update(np.ascontiguousarray(part, dtype="<i8").data)
+        if keyed is not None:
+            for part in keyed.arrays:
+                chain.update(np.ascontiguousarray(part, dtype="<i8").data)
         self._digest = chain.digest()
         self.batches += 1
+        if self.keyed is not None and keyed is not None:
+            self.keyed.add(keyed, self.batches)
         self._sums.add(cells, self.batches)
         self.batch_values.add(cells)
         if self.differences:
@@ -239,6 +255,7 @@ class Accumulator:
         made.n_cells, made.batches, made._digest = self.n_cells, self.batches, self._digest
         made._sums = self._sums.copy()
         made.batch_values = self.batch_values.copy()
+        made.keyed = None if self.keyed is None else self.keyed.copy()
         made._difference_mean = self._difference_mean.copy()
         made._difference_m2 = self._difference_m2.copy()
         return made
@@ -250,7 +267,10 @@ class Accumulator:
             mean = np.concatenate([mean, self._difference_mean])
             m2 = np.concatenate([m2, self._difference_m2])
         kept = self.batch_values.table()
-        return AccumulatorState(self.batches, limbs, count, mean, m2, self._digest, cells, kept)
+        keyed = None if self.keyed is None else self.keyed.state()
+        return AccumulatorState(
+            self.batches, limbs, count, mean, m2, self._digest, cells, kept, keyed
+        )
 
     @property
     def held_bytes(self) -> int:
@@ -268,6 +288,19 @@ class Accumulator:
         ValueError
             If the state is of another scene.
         """
+        made = cls._of(layout, state)
+        if layout.most_paths:
+            most = max(layout.most_paths, LEAST_ADMITTED)
+            if state is None:
+                made.keyed = KeyedSums(most)
+            elif state.keyed is None:
+                raise ValueError("its scene has path tables, and it has none")
+            else:
+                made.keyed = KeyedSums.restore(most, state.keyed, made.batches)
+        return made
+
+    @classmethod
+    def _of(cls, layout: TallyLayout, state: AccumulatorState | None) -> Accumulator:
         balance = [(layout.killed, layout.boosted)]
         counted_in = (layout.interactions, layout.depth_capped)
         if state is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import operator
 import warnings
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from hostcode.run.tally import whole_of
@@ -23,6 +24,7 @@ from photizon_cl.errors import (
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.estimates import Estimates, RunInfo
 from photizon_cl.result.forecast import Outlook
+from photizon_cl.result.keyed_sums import check_paths
 from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
@@ -32,6 +34,7 @@ from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.memory import check_memory, no_room_for
 from photizon_cl.run.pilot import pilot_of_capped
 from photizon_cl.run.progress import Clock, Progress
+from photizon_cl.run.trails import with_trails
 from photizon_cl.run.workers import Executed, bytes_on_the_way
 from photizon_cl.version import __version__
 
@@ -243,13 +246,14 @@ def _add_batches(
         try:
             for chunk in chunks:
                 done = False
-                for cells in chunk.cells:
+                for cells, keyed in zip_longest(chunk.cells, chunk.keyed):
                     whole = complete(compiled.layout, cells)
+                    check_paths(compiled.layout, whole, keyed)
                     full = full or no_room_for(whole, tally)
                     if full:
                         break
                     worst = max(worst, check_batch(compiled, tally.batches, whole))
-                    tally.add(whole)
+                    tally.add(whole, keyed)
                     interactions += int(whole_of(whole, compiled.layout.interactions, 1)[0, 3])
                     done = goal.reached(compiled.layout, tally)
                     if done:
@@ -267,7 +271,7 @@ def _add_batches(
                     progress(Progress.of(compiled, tally, goal, info, interactions, clock, told))
                 if done or full or interrupted() or clock.over():
                     break
-                del chunk, cells, whole  # the next ones are computed before they are replaced
+                del chunk, cells, whole, keyed  # the next ones are computed before they are replaced
         finally:
             close = getattr(chunks, "close", None)
             if close is not None:
@@ -287,6 +291,11 @@ def _add_batches(
         result = type(start)(compiled, tally, so_far(stopped))
         if keeper is not None:
             keeper.note(lambda: result, last=True)
+        if tally.keyed is not None:
+            result = type(start)(compiled, tally, with_trails(result, chosen, interrupted))
+            info = result.info
+            if keeper is not None:
+                keeper.note(lambda: result, last=True)
         if executor is None and info.pilot is None:
             pilot = pilot_of_capped(
                 compiled, tally, chosen, plan, lambda: interrupted() or clock.over()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from hostcode.run.keyed import KeyedRows
 from hostcode.run.tally import CELL, SparseTally
 from photizon_cl.errors import printable
 from photizon_cl.result.engine import engine_digest
@@ -81,6 +82,8 @@ class Chunk:
         Whether the device promises these bits, see `DeviceRecord.promises`.
     seal : Seal or None
         None where it did not leave the process.
+    keyed : tuple of KeyedRows
+        Cells by key in batch order; empty where the scene keeps none.
     """
 
     first: int
@@ -89,6 +92,7 @@ class Chunk:
     build_seconds: float
     portable: bool = True
     seal: Seal | None = None
+    keyed: tuple[KeyedRows, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,6 +153,10 @@ def _checksum(chunk: Chunk, seal: Seal) -> str:
     for cells in chunk.cells:
         arrays = (cells.numbers, cells.rows) if isinstance(cells, SparseTally) else (cells,)
         for array in arrays:
+            total.update(np.ascontiguousarray(array, dtype="<i8").data)
+    for rows in chunk.keyed:
+        total.update(str(len(rows)).encode())
+        for array in rows.arrays:
             total.update(np.ascontiguousarray(array, dtype="<i8").data)
     return total.hexdigest()
 
@@ -215,6 +223,12 @@ def _checked(chunk: Chunk, task: Task) -> Chunk:
         raise RefusedError(f"does not hold {task.n} tallies")
     if not all(_is_tally(tally, task.tables.n_cells) for tally in cells):
         raise RefusedError("holds something that is no tally of the scene")
+    wanted = task.n if task.tables.spec.keyed else 0
+    keyed = chunk.keyed
+    if type(keyed) is not tuple or len(keyed) != wanted:
+        raise RefusedError(f"does not hold {wanted} tables of paths")
+    if not all(type(rows) is KeyedRows and _are_arrays(rows) for rows in keyed):
+        raise RefusedError("holds something that is no table of paths")
     told = type(chunk.device), type(chunk.build_seconds), type(chunk.portable)
     if told != (str, float, bool):
         raise RefusedError("does not say where it was computed")
@@ -226,10 +240,18 @@ def _checked(chunk: Chunk, task: Task) -> Chunk:
     ):
         raise RefusedError("does not say where it was computed")
     # Checked is what is kept: whoever made the answer may hold its arrays still.
-    kept = replace(chunk, cells=tuple(tally.copy() for tally in cells))
+    kept = replace(
+        chunk,
+        cells=tuple(tally.copy() for tally in cells),
+        keyed=tuple(rows.copy() for rows in keyed),
+    )
     if _checksum(kept, seal) != seal.checksum:
         raise RefusedError("is damaged (its checksum does not fit)")
     return kept
+
+
+def _are_arrays(rows: KeyedRows) -> bool:
+    return all(type(array) is np.ndarray for array in rows.arrays)
 
 
 def _is_tally(tally: object, n_cells: int) -> bool:

@@ -286,6 +286,8 @@ def compute(engine: Engine, first: int, n: int) -> Chunk:
     """
     record = engine.device.record
     with device_failures(record.label):
-        cells = tuple(tally.cells for tally in engine.run(first, n))
+        tallies = tuple(engine.run(first, n))
     portable = record.promises(engine.tables.spec.real)
-    return Chunk(first, cells, record.label, engine.build_seconds, portable)
+    cells = tuple(tally.cells for tally in tallies)
+    keyed = tuple(tally.keyed for tally in tallies if tally.keyed is not None)
+    return Chunk(first, cells, record.label, engine.build_seconds, portable, keyed=keyed)

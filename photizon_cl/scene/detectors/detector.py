@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 SIDES: Final = ("front", "back", "inside", "outside")
 MAX_BINS: Final = 8192
 MAX_GENERATIONS: Final = 4096
+MAX_PATHS: Final = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +38,9 @@ class Detector(Described):
     generations : int, optional
         G entries of the ladder, 1 … 4096. Entry g is the power (W) that arrived after g surface
         interactions; the last one collects g ≥ G − 1.
+    paths : int, optional
+        N, 1 … 10⁶: every arrival's sequence of faces and events is counted, and the path table keeps
+        the N strongest and one row for the rest.
     side : str, optional
         ``"front"`` (arrivals against the normal) or ``"back"`` (along it) of a flat element,
         ``"inside"`` or ``"outside"`` of a curved one; None takes the element's default.
@@ -51,6 +55,9 @@ class Detector(Described):
     )
     generations: int | None = field(
         default=None, metadata=integer(1, MAX_GENERATIONS, "entries of the generation ladder")
+    )
+    paths: int | None = field(
+        default=None, metadata=integer(1, MAX_PATHS, "rows of the path table")
     )
     side: str | None = field(default=None, metadata=choice(SIDES, "side that is counted"))
 

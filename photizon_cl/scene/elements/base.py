@@ -219,6 +219,11 @@ class Element(Described):
         """Return the name of a face by the number that the kernels give it."""
         return self.faces[number].name
 
+    def face_number(self, number: int) -> int:
+        """Return the number of the first face that has the name of a face."""
+        name = self.faces[number].name
+        return next(k for k, face in enumerate(self.faces) if face.name == name)
+
     @property
     def self_view_factor(self) -> float | None:
         """Part of what any place of its inside sends out diffusely that meets the inside again.

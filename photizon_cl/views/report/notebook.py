@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from markupsafe import Markup
 
-from photizon_cl.errors import ArgumentError, PhotizonError, show
+from photizon_cl.errors import ArgumentError, show
+from photizon_cl.result.data_frame import data_frame_of
 from photizon_cl.views.report.numbers import integer, percent
 from photizon_cl.views.report.page import lookup
 from photizon_cl.views.report.tables import detector_table, ledger_table, tally_tables
@@ -67,7 +68,7 @@ def data_frame(result: Estimates, detector: str | None = None) -> pd.DataFrame:
             "sigma_W": [nan if row.sigma is None else row.sigma for _, row in rows],
             "share": [row.value / emitted for _, row in rows],
         }
-        return _pandas().DataFrame(columns)
+        return data_frame_of(columns)
     ladder = result.detectors[detector].ladder if detector in result.detectors else None
     if ladder is None:
         having = [name for name, d in result.detectors.items() if d.ladder is not None]
@@ -84,15 +85,4 @@ def data_frame(result: Estimates, detector: str | None = None) -> pd.DataFrame:
         "share": [rung.value / emitted for rung in ladder],
         "count": [rung.count for rung in ladder],
     }
-    return _pandas().DataFrame(columns)
-
-
-def _pandas() -> Any:
-    try:
-        import pandas
-    except ImportError as error:
-        raise PhotizonError(
-            "data frames need pandas, which is not installed (photizon_cl itself does without): "
-            "run `pip install pandas`"
-        ) from error
-    return pandas
+    return data_frame_of(columns)

@@ -1,0 +1,475 @@
+"""The path table of a detector: which sequences of faces and events bring how much light to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, overload
+
+import numpy as np
+
+from photizon_cl.errors import ArgumentError, show
+from photizon_cl.result.data_frame import data_frame_of
+from photizon_cl.result.ghosts import Ghosts
+from photizon_cl.result.ledger import watts
+from photizon_cl.result.trails import EVENTS, Step, sequence, words
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.compile.layout import DetectorCells
+    from photizon_cl.result.keyed_sums import KeyedSums
+    from photizon_cl.result.statistics import Accumulator
+    from photizon_cl.result.trails import Trails
+
+__all__ = ["PathGroup", "PathRest", "PathRow", "PathTable"]
+
+_SHOWN: Final = 10
+_UNKNOWN: Final = "(its example ray was not followed)"
+
+
+@dataclass(frozen=True)
+class PathRow:
+    """A path: a sequence of faces and events, and the light that comes by it.
+
+    Parameters
+    ----------
+    sequence : str
+        ``window.front t > window.back r > … > sensor``: ``r`` reflected, ``t`` transmitted, ``i``
+        totally reflected, ``s`` scattered.
+    power, sigma : float, float or None
+        W; σ is None with a single batch.
+    count : int
+        Arrivals.
+    interactions : int
+        With surfaces, the detector's not among them.
+    ghost_order : int
+        Number of ``r`` on refracting faces.
+    example_ray : int
+        Number of a launched ray that shows it: the first one.
+    steps : tuple of Step
+        The sequence in parts; empty where it is not known.
+    """
+
+    sequence: str
+    power: float
+    sigma: float | None
+    count: int
+    interactions: int
+    ghost_order: int
+    example_ray: int
+    steps: tuple[Step, ...]
+
+    @property
+    def events(self) -> str:
+        """The letters alone: ``trrt``."""
+        return "".join(step.event for step in self.steps)
+
+    def summary(self) -> dict[str, Any]:
+        """Return the row as the summary holds it."""
+        return {
+            "sequence": self.sequence,
+            "value": self.power,
+            "sigma": self.sigma,
+            "count": self.count,
+            "interactions": self.interactions,
+            "ghost_order": self.ghost_order,
+            "example_ray": self.example_ray,
+        }
+
+
+@dataclass(frozen=True)
+class PathRest:
+    """What all paths that have no row bring together.
+
+    Parameters
+    ----------
+    power, sigma : float, float or None
+        W; where not every batch's values are kept, σ is an upper bound.
+    count : int
+        Arrivals.
+    paths : int
+        How many different paths these are, those at least.
+    """
+
+    power: float
+    sigma: float | None
+    count: int
+    paths: int
+
+    def summary(self) -> dict[str, Any]:
+        """Return it as the summary holds it."""
+        return {"value": self.power, "sigma": self.sigma, "count": self.count, "paths": self.paths}
+
+
+@dataclass(frozen=True)
+class PathGroup:
+    """Paths with something in common.
+
+    Parameters
+    ----------
+    label : str
+        What they have in common.
+    power, sigma : float, float or None
+        W, of all together; σ from their sums in each batch, or, where not all of these are kept, an
+        upper bound.
+    count : int
+        Arrivals.
+    rows : tuple of PathRow
+        The strongest first.
+    """
+
+    label: str
+    power: float
+    sigma: float | None
+    count: int
+    rows: tuple[PathRow, ...]
+
+
+class PathTable(Sequence[PathRow]):
+    """The strongest paths to a detector, ranked by power, and what the rest brings.
+
+    Rows and `rest` together are the detector's power to the last bit of its exact tally.
+
+    Parameters
+    ----------
+    detector : str
+        Name of its element.
+    rows : tuple of PathRow
+        The strongest first; of equal power the one with the lower example ray.
+    """
+
+    def __init__(
+        self,
+        detector: str,
+        rows: tuple[PathRow, ...],
+        exact: tuple[int, ...],
+        columns: NDArray[np.int64],
+        about: _About,
+    ) -> None:
+        self.detector, self.rows = detector, rows
+        self._exact, self._columns, self._about = exact, columns, about
+
+    # -- a sequence of rows ----------------------------------------------------------------------
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @overload
+    def __getitem__(self, at: int, /) -> PathRow: ...
+
+    @overload
+    def __getitem__(self, at: slice, /) -> tuple[PathRow, ...]: ...
+
+    def __getitem__(self, at: int | slice, /) -> PathRow | tuple[PathRow, ...]:
+        return self.rows[at]
+
+    def __repr__(self) -> str:
+        rest = self._about.total_paths - len(self.rows)
+        return (
+            f"<PathTable {show(self.detector)}: {len(self.rows)} paths"
+            + (f" of {self._about.total_paths}" if rest > 0 else "")
+            + f", {self.power:.6g} W>"
+        )
+
+    # -- sums ------------------------------------------------------------------------------------
+
+    @property
+    def power(self) -> float:
+        """W of all rows together."""
+        return self._about.watts(sum(self._exact))
+
+    @cached_property
+    def sigma(self) -> float | None:
+        """Standard error of `power`."""
+        return self._about.sigma(self._columns, self.rows)
+
+    @cached_property
+    def rest(self) -> PathRest:
+        """What is left of the detector's power: paths that are not in the table."""
+        about = self._about
+        left = about.power_exact - sum(self._exact)
+        count = about.power_count - sum(row.count for row in self.rows)
+        sigma = about.rest_sigma(self._columns, self.rows) if count else about.nothing
+        paths = max(about.total_paths - len(self.rows), 1 if count else 0)
+        return PathRest(about.watts(left), sigma, count, paths)
+
+    # -- parts -----------------------------------------------------------------------------------
+
+    def filter(
+        self,
+        *,
+        via: str | Sequence[str] = (),
+        avoiding: str | Sequence[str] = (),
+        event: str | None = None,
+        ghost_order: int | None = None,
+        interactions: int | None = None,
+    ) -> PathTable:
+        """Return the rows that match all of what is given; `rest` is then all that does not.
+
+        Parameters
+        ----------
+        via : str or sequence of str, optional
+            Elements (``window``) or faces (``window.back``), perhaps with an event
+            (``window.back r``), that the path must all meet.
+        avoiding : str or sequence of str, optional
+            Such that it must not meet.
+        event : str, optional
+            A letter that must occur: ``r``, ``t``, ``i`` or ``s``.
+        ghost_order, interactions : int, optional
+            Exactly so many.
+
+        Raises
+        ------
+        ArgumentError
+            Where something is named that no row meets because the scene has no such thing.
+        """
+        if event is not None and event not in EVENTS.values():
+            raise ArgumentError(f"event: found {show(event)}, expected one of r, t, i, s")
+        with_all = [self._test(name) for name in _names(via)]
+        with_none = [self._test(name) for name in _names(avoiding)]
+        kept = [
+            n
+            for n, row in enumerate(self.rows)
+            if all(any(map(test, row.steps)) for test in with_all)
+            and not any(any(map(test, row.steps)) for test in with_none)
+            and (event is None or event in row.events)
+            and (ghost_order is None or row.ghost_order == ghost_order)
+            and (interactions is None or row.interactions == interactions)
+        ]
+        return self._some(kept)
+
+    def _some(self, kept: list[int]) -> PathTable:
+        rows = tuple(self.rows[n] for n in kept)
+        exact = tuple(self._exact[n] for n in kept)
+        return PathTable(self.detector, rows, exact, self._columns[kept], self._about)
+
+    def _test(self, name: str) -> Callable[[Step], bool]:
+        place, _, letter = name.strip().rpartition(" ")
+        if not place or letter not in EVENTS.values():
+            place, letter = name.strip(), ""
+        known = self._about.places
+        if place not in known:
+            raise ArgumentError(
+                f"via: found {show(name)}, expected an element or a face of the scene, such as "
+                f"{show(next(iter(known), ''))} or {show(list(known)[-1] if known else '')}, "
+                "perhaps with an event behind it (r, t, i, s)"
+            )
+        matching = known[place]
+
+        def test(step: Step) -> bool:
+            return (step.element, step.face) in matching and letter in ("", step.event)
+
+        return test
+
+    def grouped(self, by: str = "events") -> tuple[PathGroup, ...]:
+        """Return the rows in groups, the strongest group first.
+
+        Parameters
+        ----------
+        by : str
+            ``"events"`` (``tt``, ``trrt``), ``"ghost_order"``, ``"elements"`` (the elements met, in
+            order of first meeting) or ``"last"`` (the last element before the detector).
+
+        Raises
+        ------
+        ArgumentError
+            Where `by` is something else.
+        """
+        keys: dict[str, Callable[[PathRow], str]] = {
+            "events": lambda row: row.events or "direct",
+            "ghost_order": lambda row: str(row.ghost_order),
+            "elements": lambda row: (
+                " > ".join(dict.fromkeys(step.element for step in row.steps)) or "direct"
+            ),
+            "last": lambda row: row.steps[-1].element if row.steps else "direct",
+        }
+        if by not in keys:
+            raise ArgumentError(f"by: found {show(by)}, expected one of {', '.join(keys)}")
+        found: dict[str, list[int]] = {}
+        for n, row in enumerate(self.rows):
+            label = keys[by](row) if row.steps or not row.interactions else _UNKNOWN
+            found.setdefault(label, []).append(n)
+        parts = [(label, self._some(numbers)) for label, numbers in found.items()]
+        groups = [
+            PathGroup(label, part.power, part.sigma, sum(r.count for r in part), part.rows)
+            for label, part in parts
+        ]
+        return tuple(sorted(groups, key=lambda g: (-g.power, g.label)))
+
+    def ghosts(self) -> Ghosts:
+        """Return the two-reflection ghosts as a matrix over pairs of refracting faces."""
+        pairs: dict[tuple[str, str], list[int]] = {}
+        for n, row in enumerate(self.rows):
+            if row.ghost_order == 2:
+                first, second = (s.place for s in row.steps if s.refracting and s.event == "r")
+                pairs.setdefault((first, second), []).append(n)
+        faces = list(dict.fromkeys(self._about.refracting))
+        return Ghosts.of(
+            faces,
+            {
+                pair: (part.power, part.sigma, sum(row.count for row in part))
+                for pair, numbers in pairs.items()
+                for part in [self._some(numbers)]
+            },
+        )
+
+    # -- other forms -----------------------------------------------------------------------------
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the rows as a data frame of pandas.
+
+        Columns ``sequence``, ``power``, ``sigma`` (W; NaN with a single batch), ``count``,
+        ``interactions``, ``ghost_order``, ``example_ray``.
+
+        Raises
+        ------
+        PhotizonError
+            Where pandas is not installed.
+        """
+        names = ("sequence", "power", "sigma", "count", "interactions", "ghost_order", "example_ray")
+        columns = {name: [getattr(row, name) for row in self.rows] for name in names}
+        columns["sigma"] = [math.nan if s is None else s for s in columns["sigma"]]
+        return data_frame_of(columns)
+
+    def summary(self) -> dict[str, Any]:
+        """Return what the summary says: how many, the strongest, and the rest."""
+        return {
+            "rows": len(self.rows),
+            "strongest": [row.summary() for row in self.rows[:_SHOWN]],
+            "rest": self.rest.summary(),
+        }
+
+    @classmethod
+    def of(
+        cls,
+        compiled: CompiledScene,
+        tally: Accumulator,
+        d: DetectorCells,
+        number: int,
+        trails: Trails | None,
+    ) -> PathTable:
+        """Return the table of a detector, by its number among the scene's detectors."""
+        sums = tally.keyed
+        assert sums is not None
+        mine = strongest(sums, number, d.paths)
+        about = _About(compiled, tally, d, number)
+        known = {} if trails is None else trails.by_key()
+        errors = np.sqrt(sums.m2[mine] / max(tally.batches - 1, 1) / max(tally.batches, 1))
+        rows, exact = [], []
+        for at, error in zip(mine.tolist(), errors.tolist(), strict=True):
+            exact.append(sums.exact(at))
+            interactions = int(sums.about[at] & 0xFFFFFFFF)
+            steps = known.get(int(sums.keys[at]))
+            found = () if steps is None else words(compiled.scene, steps)
+            told = steps is not None or not interactions
+            rows.append(
+                PathRow(
+                    sequence(found, about.name) if told else f"{_UNKNOWN} > {about.name}",
+                    about.watts(exact[-1]),
+                    error * compiled.unit_power if tally.batches > 1 else None,
+                    int(sums.count[at]),
+                    interactions,
+                    sum(step.refracting and step.event == "r" for step in found),
+                    int(sums.first[at]),
+                    found,
+                )
+            )
+        return cls(about.name, tuple(rows), tuple(exact), mine, about)
+
+
+def strongest(sums: KeyedSums, detector: int, most: int) -> NDArray[np.int64]:
+    """Return which keys are a detector's strongest paths, by falling power, then by example."""
+    mine = np.flatnonzero(sums.about >> 32 == detector)
+    limbs = sums.limbs[mine]
+    rank = np.lexsort(
+        (sums.keys[mine], sums.first[mine], -limbs[:, 3], -limbs[:, 2], -limbs[:, 1], -limbs[:, 0])
+    )
+    return np.asarray(mine[rank[:most]], np.int64)
+
+
+def _names(given: str | Sequence[str]) -> tuple[str, ...]:
+    return (given,) if isinstance(given, str) else tuple(given)
+
+
+class _About:
+    """What a table's parts share: the detector, and how sums become watts."""
+
+    def __init__(
+        self, compiled: CompiledScene, tally: Accumulator, d: DetectorCells, number: int
+    ) -> None:
+        self.compiled, self.batches = compiled, tally.batches
+        assert tally.keyed is not None
+        self.sums = tally.keyed
+        self.name = compiled.scene.element[d.element].name
+        self.power_exact = tally.exact(d.power)
+        self.power_count = int(tally.counts(d.power, 1)[0])
+        self.power_values = tally.batch_values.of(d.power)
+        self.power_sigma = float(tally.standard_error(d.power, 1)[0])
+        self.total_paths = int(np.count_nonzero(self.sums.about >> 32 == number))
+        self.nothing = 0.0 if tally.batches > 1 else None
+
+    def watts(self, exact: int) -> float:
+        return watts(self.compiled, exact, self.batches)
+
+    @cached_property
+    def table(self) -> NDArray[np.float64]:
+        return self.sums.table()
+
+    @cached_property
+    def places(self) -> dict[str, frozenset[tuple[str, str]]]:
+        """What `via` may name: elements and faces."""
+        found: dict[str, set[tuple[str, str]]] = {}
+        for element in self.compiled.scene.element:
+            for face in element.face_names:
+                step = Step(element.name, face, "", refracting=False)
+                plain = f"{element.name}.{face}"
+                for name in (element.name, plain, step.place):
+                    found.setdefault(name, set()).add((element.name, face))
+        return {name: frozenset(pairs) for name, pairs in found.items()}
+
+    @property
+    def refracting(self) -> list[str]:
+        """Every refracting face, in file order."""
+        return [
+            Step(element.name, face, "", refracting=True).place
+            for element in self.compiled.scene.element
+            if element.surface.refracts
+            for face in element.face_names
+        ]
+
+    def _split(self, columns: NDArray[np.int64]) -> tuple[NDArray[np.float64], float]:
+        """Return the batches' sums of the paths that are followed, and a bound for the others."""
+        followed = columns[columns < self.table.shape[1]]
+        others = columns[columns >= self.table.shape[1]]
+        n = self.batches
+        bound = float(np.sqrt(self.sums.m2[others] / (n - 1) / n).sum())
+        return self.table[:, followed].sum(axis=1), bound
+
+    def _error(self, values: NDArray[np.float64], bound: float) -> float:
+        own = float(values.std(ddof=1)) / math.sqrt(self.batches)
+        return (own + bound) * self.compiled.unit_power
+
+    def sigma(self, columns: NDArray[np.int64], rows: tuple[PathRow, ...]) -> float | None:
+        """Return the standard error of a sum of paths."""
+        if self.batches < 2:
+            return None
+        if len(rows) == 1:
+            return rows[0].sigma
+        return self._error(*self._split(columns))
+
+    def rest_sigma(self, columns: NDArray[np.int64], rows: tuple[PathRow, ...]) -> float | None:
+        """Return the standard error of the power without some paths."""
+        if self.batches < 2:
+            return None
+        values, bound = self._split(columns)
+        if self.power_values is None:
+            own = self.sigma(columns, rows) or 0.0
+            return own + self.power_sigma * self.compiled.unit_power
+        return self._error(self.power_values - values, bound)

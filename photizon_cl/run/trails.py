@@ -1,0 +1,63 @@
+"""Words for the strongest paths to detectors: their example rays are followed once more."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hostcode.run.trails import follow_trails
+from photizon_cl.errors import PhotizonError, RunWarning
+from photizon_cl.result.path_table import strongest
+from photizon_cl.result.trails import Trails
+from photizon_cl.run.distribution import device_failures, open_chosen
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from hostcode.device.device import DeviceRecord
+    from photizon_cl.result.estimates import Estimates, RunInfo
+
+__all__ = ["with_trails"]
+
+
+def with_trails(
+    result: Estimates, device: DeviceRecord | str | None, interrupted: Callable[[], bool]
+) -> RunInfo:
+    """Return the info of a result with the steps of the paths that its tables show.
+
+    A path whose example needs too many interactions, and all that are left where the run is
+    interrupted, have none. Where this process has no device the tables are there without words.
+
+    Warns
+    -----
+    RunWarning
+        Where no device can be had.
+    """
+    compiled, sums = result.compiled, result.tally.keyed
+    assert sums is not None
+    rays = compiled.settings.rays_per_batch
+    rows, longest = [], 0
+    for number, d in enumerate(compiled.layout.detectors):
+        if d.paths:
+            mine = strongest(sums, number, d.paths)
+            first = sums.first[mine]
+            n = np.full(len(mine), number)
+            found = (sums.keys[mine], first // rays, first % rays, np.full(len(mine), d.element), n)
+            rows.append(np.stack(found, axis=1))
+            longest = max(longest, int((sums.about[mine] & 0xFFFFFFFF).max(initial=0)))
+    wanted = np.concatenate(rows)
+    try:
+        opened = open_chosen(device)
+        with device_failures(opened.record.label):
+            steps = follow_trails(opened, compiled.tables, wanted, longest, interrupted)
+    except PhotizonError as error:
+        warnings.warn(
+            f"the paths have no words, since their rays cannot be followed here: {error}",
+            RunWarning,
+            stacklevel=5,
+        )
+        return result.info
+    return dataclasses.replace(result.info, trails=Trails.of(wanted[:, 0].tolist(), steps))
