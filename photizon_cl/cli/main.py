@@ -54,6 +54,7 @@ VERBS: Final = (
     ("run", "trace a scene", "photizon_cl.cli.run"),
     ("resume", "go on with a run that ended or was killed", "photizon_cl.cli.resume"),
     ("compare", "show how two runs differ, with errors", "photizon_cl.cli.compare"),
+    ("paths", "show which paths bring light to detectors, by power", "photizon_cl.cli.paths"),
     (
         "cost",
         "show what accuracy costs in time: settings, σ, bias, seconds",

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
+    from photizon_cl.result.path_table import PathTable
     from photizon_cl.result.tallies import EffectTally
 
 __all__ = ["dataset", "tree"]
@@ -129,6 +130,8 @@ def _detector(
         variables[f"{at}.ladder_count"] = (dim, counts, count)
     if detector.map is not None:
         _map(at, about, detector.map, variables, coordinates)
+    if detector.paths is not None:
+        _paths(at, about, detector.paths, variables, coordinates)
 
 
 def _sigma_or_nan(sigma: float | None) -> float:
@@ -179,6 +182,32 @@ def _map(
         "comment": "exact, of the bin on the element",
     }
     variables[f"{at}.area"] = (dims, m.area, area)
+
+
+def _paths(
+    at: str, about: dict[str, str], table: PathTable, variables: Variables, coordinates: Variables
+) -> None:
+    dim = (f"{at}.path",)
+    text = "faces and events in order: r reflected, t transmitted, i totally reflected, s scattered"
+    names = np.array([row.sequence for row in table], dtype=object)
+    coordinates[dim[0]] = (dim, names, {**about, "long_name": "path", "comment": text})
+    power = {**about, "units": "W", "long_name": "power", "comment": _MEAN}
+    error = {**about, "units": "W", "long_name": "standard error"}
+    variables[f"{at}.path_power"] = (dim, np.array([row.power for row in table]), power)
+    sigmas = np.array([_sigma_or_nan(row.sigma) for row in table])
+    variables[f"{at}.path_sigma"] = (dim, sigmas, error)
+    for name, words in (
+        ("count", "arrivals"),
+        ("interactions", "surface interactions before the arrival"),
+        ("ghost_order", "reflections at refracting faces"),
+        ("example_ray", "number of the first ray that shows it"),
+    ):
+        numbers = np.array([getattr(row, name) for row in table], np.int64)
+        variables[f"{at}.path_{name}"] = (dim, numbers, {**about, "units": "1", "long_name": words})
+    rest = table.rest
+    left = {**power, "long_name": "power of all other paths"}
+    variables[f"{at}.other_paths_power"] = ((), rest.power, left)
+    variables[f"{at}.other_paths_sigma"] = ((), _sigma_or_nan(rest.sigma), error)
 
 
 def _far_field(far: FarFieldResult, variables: Variables, coordinates: Variables) -> None:

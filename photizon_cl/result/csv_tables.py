@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.maps import Rung
     from photizon_cl.result.tallies import EffectTally
 
-__all__ = ["detectors_csv", "ledger_csv", "tally_csv"]
+__all__ = ["detectors_csv", "ledger_csv", "paths_csv", "tally_csv"]
 
 # With apostrophes and blanks before it: what is written can be told from what was so before. The
 # last four are the wide forms, which some spreadsheets take for the others.
@@ -44,6 +44,25 @@ def detectors_csv(result: Estimates) -> str:
                 yield (name, rung.generation, *_numbers(rung), rung.count)
 
     return _text(("detector", "generation", "value_W", "sigma_W", "count"), rows())
+
+
+def paths_csv(result: Estimates) -> str:
+    """Return the path tables: the strongest paths of each detector, then what the rest brings."""
+
+    def rows() -> Iterable[tuple[object, ...]]:
+        for name, detector in result.detectors.items():
+            table = detector.paths
+            if table is not None:
+                for n, row in enumerate(table, start=1):
+                    sigma = "" if row.sigma is None else row.sigma
+                    ends = (row.count, row.interactions, row.ghost_order, row.example_ray)
+                    yield (name, n, row.sequence, row.power, sigma, *ends)
+                rest = table.rest
+                sigma = "" if rest.sigma is None else rest.sigma
+                yield (name, "", "all other paths", rest.power, sigma, rest.count, "", "", "")
+
+    head = ("detector", "rank", "sequence", "value_W", "sigma_W", "count", "interactions")
+    return _text((*head, "ghost_order", "example_ray"), rows())
 
 
 def tally_csv(cells: EffectTally) -> str:

@@ -8,6 +8,7 @@ checkpoint is such a file without the arrays.
 
 from __future__ import annotations
 
+import dataclasses
 import errno
 import hashlib
 import json
@@ -24,6 +25,13 @@ from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import ResultError, printable, show
 from photizon_cl.result.arrays import dataset
 from photizon_cl.result.estimates import RESULT_SCHEMA, Estimates
+from photizon_cl.result.path_file import (
+    check_path_shapes,
+    check_path_sums,
+    keyed_state,
+    path_arrays,
+    trails_of,
+)
 from photizon_cl.result.sealing import deaf_libraries_end, seal, sealed
 from photizon_cl.result.soundness import (
     check_shapes,
@@ -152,6 +160,7 @@ def _tally_dataset(result: Estimates) -> xr.Dataset:
         about = {"long_name": "which cells these are; all others are zero"}
         made["cells"] = (("cell",), state.cells, about)
     # only where there are any: files of scenes without are what they always were
+    path_arrays(made, state.keyed, info.trails)
     labelled = result.compiled.layout.labelled
     if labelled:
         made.attrs[_TALLIES] = json.dumps([group.effect for group in labelled])
@@ -270,18 +279,23 @@ def _read(path: Path) -> Estimates:
         attrs = dict(group.attrs)
         compiled = _compiled(path, scene, _tallied(attrs), read_precision(attrs))
         check_shapes(group.variables, compiled.layout, path.stat().st_size)
+        check_path_shapes(group.variables, compiled.layout)
         arrays = {str(name): np.asarray(group[name][...]) for name in group.variables}
     _check_sum(arrays, attrs, text)
+    batches = integer(attrs["batches"], "batches")
     state = AccumulatorState(
-        integer(attrs["batches"], "batches"),
+        batches,
         **{name: arrays[name] for name in _STATE},
         digest=bytes.fromhex(attrs["digest"]),
         cells=arrays.get("cells"),
         batch_values=arrays.get("batch_values"),
+        keyed=keyed_state(arrays),
     )
     tally = Accumulator.of(compiled.layout, state)
     info = read_info(attrs, arrays, compiled.settings)
+    info = dataclasses.replace(info, trails=trails_of(arrays))
     check_tally(compiled, state, tally, info)
+    check_path_sums(compiled, tally, info.trails)
     return Estimates(compiled, tally, info)
 
 

@@ -15,6 +15,7 @@ from photizon_cl.result.data_frame import data_frame_of
 from photizon_cl.result.ghosts import Ghosts
 from photizon_cl.result.ledger import watts
 from photizon_cl.result.trails import EVENTS, Step, sequence, words
+from photizon_cl.scene.names import unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -256,11 +257,7 @@ class PathTable(Sequence[PathRow]):
             place, letter = name.strip(), ""
         known = self._about.places
         if place not in known:
-            raise ArgumentError(
-                f"via: found {show(name)}, expected an element or a face of the scene, such as "
-                f"{show(next(iter(known), ''))} or {show(list(known)[-1] if known else '')}, "
-                "perhaps with an event behind it (r, t, i, s)"
-            )
+            raise unknown_name("elements and faces (an event may follow: r, t, i, s)", name, known)
         matching = known[place]
 
         def test(step: Step) -> bool:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import PhotizonError
-from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, tally_csv
+from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, paths_csv, tally_csv
 from photizon_cl.result.estimates import RESULT_SCHEMA
 from photizon_cl.result.file import read_scene_text
 from photizon_cl.result.recipe import RecipeText
@@ -57,6 +57,7 @@ def tally_file(effect: str) -> str:
 _HEADS: Final = {
     "ledger.csv": "row,value_W,sigma_W,share",
     "detectors.csv": "detector,generation,value_W,sigma_W,count",
+    "paths.csv": "detector,rank,sequence,value_W",
     **{tally_file(effect.name): "label,value_" for effect in EFFECTS},
 }
 """The tables, and how each begins."""
@@ -166,6 +167,8 @@ def _table(name: str, result: Estimates) -> str:
         return ledger_csv(result)
     if name == "detectors.csv":
         return detectors_csv(result)
+    if name == "paths.csv":
+        return paths_csv(result)
     return next(tally_csv(cells) for e, cells in result.tallies.items() if tally_file(e) == name)
 
 

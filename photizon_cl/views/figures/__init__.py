@@ -11,6 +11,8 @@ as they are, never smoothed or interpolated, and are hatched where fewer than 10
 ``draw_far_field_cuts``      polar cuts through planes of φ
 ``draw_ledger``              where the power went
 ``draw_ladder``              a detector's power by generation
+``draw_paths``               strongest paths to a detector, ranked
+``draw_ghosts``              two-reflection ghosts by pair of faces
 ``draw_convergence``         σ against rays and against seconds
 ``draw_layout``              sections through the scene, with or without rays
 ===========================  =====================================================
@@ -29,12 +31,14 @@ from photizon_cl.views.figures.ladder_plot import draw_ladder
 from photizon_cl.views.figures.layout_plot import draw_layout
 from photizon_cl.views.figures.ledger_plot import draw_ledger
 from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
+from photizon_cl.views.figures.path_plots import draw_ghosts, draw_paths
 from photizon_cl.views.figures.style import FORMATS
 from photizon_cl.views.figures.table import FIGURES, draw_all, figure_names, write_all
 
 irradiance, relative_sigma = draw_irradiance, draw_relative_sigma
 far_field, far_field_cuts = draw_far_field, draw_far_field_cuts
 ledger, ladder, convergence, layout = draw_ledger, draw_ladder, draw_convergence, draw_layout
+paths, ghosts = draw_paths, draw_ghosts
 
 __all__ = [
     "FIGURES",
@@ -46,16 +50,20 @@ __all__ = [
     "draw_far_field_cuts",
     "draw_irradiance",
     "draw_ladder",
+    "draw_ghosts",
     "draw_layout",
     "draw_ledger",
+    "draw_paths",
     "draw_relative_sigma",
     "far_field",
     "far_field_cuts",
     "figure_names",
+    "ghosts",
     "irradiance",
     "ladder",
     "layout",
     "ledger",
+    "paths",
     "relative_sigma",
     "write_all",
 ]

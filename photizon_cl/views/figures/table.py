@@ -16,6 +16,7 @@ from photizon_cl.views.figures.ladder_plot import draw_ladder
 from photizon_cl.views.figures.layout_plot import MOST_ELEMENTS, draw_layout
 from photizon_cl.views.figures.ledger_plot import draw_ledger
 from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
+from photizon_cl.views.figures.path_plots import MOST_FACES, draw_ghosts, draw_paths
 from photizon_cl.views.figures.style import FORMATS, replace_figure, write
 
 if TYPE_CHECKING:
@@ -69,6 +70,20 @@ def _with_ladder(result: Estimates) -> list[tuple[str, ...]]:
     return [(name,) for name, d in result.detectors.items() if d.ladder is not None]
 
 
+def _with_paths(result: Estimates) -> list[tuple[str, ...]]:
+    return [(name,) for name, d in result.detectors.items() if d.paths is not None]
+
+
+def _with_ghosts(result: Estimates) -> list[tuple[str, ...]]:
+    return [
+        (name,)
+        for name, d in result.detectors.items()
+        if d.paths is not None
+        and len(d.paths.ghosts().faces) <= MOST_FACES
+        and d.paths.ghosts().pairs()
+    ]
+
+
 def _with_far_field(result: Estimates) -> list[tuple[str, ...]]:
     return [()] if result.far_field is not None else []
 
@@ -80,6 +95,8 @@ FIGURES: Final = (
     Kind("map", draw_irradiance, _with_map),
     Kind("sigma", draw_relative_sigma, _with_map),
     Kind("ladder", draw_ladder, _with_ladder),
+    Kind("paths", draw_paths, _with_paths),
+    Kind("ghosts", draw_ghosts, _with_ghosts),
     Kind("far-field", draw_far_field, _with_far_field),
     Kind("far-field-cuts", draw_far_field_cuts, _with_far_field),
 )

@@ -102,7 +102,7 @@ ${parts.table(detectors)}
 ${parts.table(section.map)}
 % endif
 % for f in section.figures:
-% if f.kind != "ladder":
+% if f.kind in ("map", "sigma"):
 ${figure(f)}
 % endif
 % endfor
@@ -111,6 +111,14 @@ ${parts.table(section.ladder)}
 % endif
 % for f in section.figures:
 % if f.kind == "ladder":
+${figure(f)}
+% endif
+% endfor
+% if section.paths:
+${parts.table(section.paths)}
+% endif
+% for f in section.figures:
+% if f.kind in ("paths", "ghosts"):
 ${figure(f)}
 % endif
 % endfor

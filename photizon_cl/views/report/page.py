@@ -15,6 +15,7 @@ from photizon_cl.views.report import story, tables
 from photizon_cl.views.report.claims import claims
 from photizon_cl.views.report.cost import cost_table
 from photizon_cl.views.report.numbers import integer
+from photizon_cl.views.report.paths import paths_table
 
 if TYPE_CHECKING:
     from photizon_cl.result.cost import CostStudy
@@ -41,6 +42,8 @@ _PLACED: Final = frozenset(
         "map",
         "sigma",
         "ladder",
+        "paths",
+        "ghosts",
         "far-field",
         "far-field-cuts",
     }
@@ -64,6 +67,7 @@ class _Section:
     anchor: str
     map: tables.Table | None
     ladder: tables.Table | None
+    paths: tables.Table | None
     figures: list[Drawing]
 
 
@@ -143,10 +147,12 @@ def _sections(result: Estimates, figures: Figures) -> list[_Section]:
     for n, (name, detector) in enumerate(result.detectors.items()):
         if n == MOST_DETECTORS:
             break
-        drawn = figures.of("map", "sigma", "ladder", element=name)
+        drawn = figures.of("map", "sigma", "ladder", "paths", "ghosts", element=name)
         m = detector.map
         summed = m and tables.map_table(f"table-map-{n}", name, m, detector.power)
         ladder = tables.ladder_table(f"table-ladder-{n}", name, detector, emitted)
-        if summed or ladder or drawn:
-            found.append(_Section(name, f"detector-{n}", summed or None, ladder, drawn))
+        paths = paths_table(f"table-paths-{n}", name, detector, emitted)
+        if summed or ladder or paths or drawn:
+            anchor = f"detector-{n}"
+            found.append(_Section(name, anchor, summed or None, ladder, paths, drawn))
     return found

@@ -9,6 +9,7 @@ import numpy as np
 from photizon_cl.result.text import lit_percent, with_error
 from photizon_cl.views.figures.map_plots import length_unit
 from photizon_cl.views.report.numbers import percent, plain_amount
+from photizon_cl.views.report.paths import describe_ghosts, describe_paths
 from photizon_cl.views.report.tables import peak
 
 if TYPE_CHECKING:
@@ -253,6 +254,8 @@ _WORDS: Final[dict[str, Callable[[Estimates, str], tuple[str, str]]]] = {
     "map": _irradiance,
     "sigma": _sigma,
     "ladder": _ladder,
+    "paths": describe_paths,
+    "ghosts": describe_ghosts,
     "far-field": _far_field,
     "far-field-cuts": _cuts,
 }
