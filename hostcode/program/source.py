@@ -21,8 +21,8 @@ PLACES: Final = ("search", "survive", "tally")
 between two interactions, among what counts endings, which is a program of its own."""
 
 HOOKS: Final = ("travel", "surface", "survive", "arrival")
-"""Where the statements of effects stand: in an interaction, see kernels/lib/interaction.mako, and where
-an arrival is counted, see kernels/lib/detector.mako."""
+"""Where the statements of effects stand: in an interaction, see kernels/lib/interaction.mako, and
+where an arrival is counted, see kernels/lib/detector.mako."""
 
 RECORDS: Final = ("arrivals", "escapes")
 """What effects may have recorded for the tally stage, see kernels/lib/shade.mako."""

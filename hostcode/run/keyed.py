@@ -177,9 +177,7 @@ class KeyedTable:
             lit = space[space[:, 0] != 0]
             lit = lit[np.argsort(lit[:, 0])]
             rows = canonical(lit[:, 1:5])
-            found.append(
-                KeyedRows(lit[:, 0].copy(), lit[:, 6].copy(), _FROM - lit[:, 5], rows)
-            )
+            found.append(KeyedRows(lit[:, 0].copy(), lit[:, 6].copy(), _FROM - lit[:, 5], rows))
         if before is None:
             return found
         return [merged_rows(a, b) for a, b in zip(before, found, strict=True)]

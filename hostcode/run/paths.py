@@ -16,17 +16,20 @@ from hostcode.run.tables import launch_of
 from hostcode.run.tally import CELL, SparseTally, is_sparse
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    import pyopencl as cl
     from numpy.typing import NDArray
 
     from hostcode.device.device import OpenDevice
     from hostcode.run.tables import DeviceTables
 
-__all__ = ["REALS", "WHOLES", "RawPaths", "trace_paths"]
+__all__ = ["REALS", "WHOLES", "Follower", "RawPaths", "joined", "trace_paths"]
 
 REALS: Final = 7
 """Numbers of a segment: start, end (the direction where it escapes), weight."""
-WHOLES: Final = 6
-"""Integers of a segment: path, generation, element, segment it continues, begins, ending."""
+WHOLES: Final = 7
+"""Integers of a segment: path, generation, element, segment it continues, begins, ending, face."""
 _BYTES_AT_ONCE: Final = 64 << 20
 
 
@@ -42,8 +45,8 @@ class RawPaths:
         In the scene's recentred coordinates, in metres; weights relative to the heaviest launched.
     wholes : ndarray, shape (n, WHOLES), int64
         The segment that one continues counts within all of `ray`.
-    cut : ndarray, shape (rays,), bool
-        Which rays were not followed to their ends.
+    cut : ndarray, int64
+        Numbers of the rays that were not followed to their ends.
     cells : ndarray, shape (n_cells, 4), int64, or SparseTally
         The ledger's part of the batch's tally, as the device gives it, see `hostcode.run.tally`.
     """
@@ -51,7 +54,7 @@ class RawPaths:
     ray: NDArray[np.int64]
     reals: NDArray[np.float64]
     wholes: NDArray[np.int64]
-    cut: NDArray[np.bool_]
+    cut: NDArray[np.int64]
     cells: NDArray[np.int64] | SparseTally
 
 
@@ -72,65 +75,127 @@ def trace_paths(device: OpenDevice, tables: DeviceTables, max_segments: int) -> 
     KernelBuildError
         Where the program cannot be built.
     """
-    import pyopencl as cl
+    follower = Follower(device, tables, max_segments)
+    parts = list(follower.follow(0, 0, int(tables.launch["rays_per_batch"])))
+    return joined(parts, follower.cells())
 
-    rays = int(tables.launch["rays_per_batch"])
-    spec = tables.spec.for_device(1, ("paths",))
-    program = build(device, spec)
-    kernel = program.kernel("paths_stage")
-    # A split leaves one child waiting, so that no more wait than segments were written.
-    stack = max_segments + 2 if spec.splits else 1
-    words = len(of_type(spec.ray_fields, "word"))
-    waiting = 8 * (len(spec.ray_fields) - words) + 4 * words + 8
-    a_ray = 8 * (REALS + WHOLES) * max_segments + waiting * stack + 16
-    at_once = min(max(_BYTES_AT_ONCE // a_ray, 1), rays)
-    flags = cl.mem_flags
 
-    def upload(array: NDArray[Any]) -> cl.Buffer:
-        # Buffers cannot be empty, and a scene without elements has empty tables.
-        filled = np.ascontiguousarray(array) if array.size else np.zeros(1, array.dtype)
-        return cl.Buffer(device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=filled)
+def joined(parts: Sequence[RawPaths], cells: NDArray[np.int64] | SparseTally) -> RawPaths:
+    """Return parts of what was followed as one, with what the ledger says of all."""
+    behind, wholes = 0, []
+    for part in parts:
+        moved = part.wholes.copy()
+        moved[:, 3] += np.where(moved[:, 3] >= 0, behind, 0)
+        wholes.append(moved)
+        behind += len(part.ray)
+    return RawPaths(
+        np.concatenate([np.empty(0, np.int64), *(part.ray for part in parts)]),
+        np.concatenate([np.empty((0, REALS)), *(part.reals for part in parts)]),
+        np.concatenate([np.empty((0, WHOLES), np.int64), *wholes]),
+        np.concatenate([np.empty(0, np.int64), *(part.cut for part in parts)]),
+        cells,
+    )
 
-    def allocate(n: int) -> cl.Buffer:
-        return cl.Buffer(device.context, flags.READ_WRITE, 8 * n)
 
-    launch = launch_of(tables, slots=1, stack_capacity=stack, record_capacity=max_segments)
-    launch_buffer = allocate(launch.nbytes // 8)
-    scene = [upload(a) for a in (tables.geometry, tables.materials, tables.sources, tables.codes)]
-    tally = allocate(CELL * tables.n_cells)
-    cl.enqueue_fill_buffer(device.queue, tally, np.zeros(1, np.int64), 0, tally.size)
-    queue = Queue(device, spec, at_once, stack)
-    parents, counts_buffer = allocate(at_once * stack), allocate(2 * at_once)
-    reals_buffer = allocate(REALS * at_once * max_segments)
-    wholes_buffer = allocate(WHOLES * at_once * max_segments)
-    segments = (reals_buffer, wholes_buffer, counts_buffer)
-    found: list[tuple[NDArray[Any], ...]] = []
-    behind = 0
-    for first in range(0, rays, at_once):
-        m = min(at_once, rays - first)
-        launch["items"] = m
-        cl.enqueue_copy(device.queue, launch_buffer, launch)
-        kernel.set_args(
-            launch_buffer, *scene, tally, *queue.fields, parents, *segments, np.uint64(first)
+class Follower:
+    """Follows launched rays and writes every segment down.
+
+    Parameters
+    ----------
+    device : OpenDevice
+        Where.
+    tables : DeviceTables
+        The compiled scene.
+    max_segments : int
+        Segments written down of one launched ray and its children.
+
+    Raises
+    ------
+    KernelBuildError
+        Where the program cannot be built.
+    """
+
+    def __init__(self, device: OpenDevice, tables: DeviceTables, max_segments: int) -> None:
+        import pyopencl as cl
+
+        self._cl, self._device, self._tables, self._most = cl, device, tables, max_segments
+        spec = tables.spec.for_device(1, ("paths",))
+        self._program = build(device, spec)
+        self._kernel = self._program.kernel("paths_stage")
+        # A split leaves one child waiting, so that no more wait than segments were written.
+        stack = max_segments + 2 if spec.splits else 1
+        words = len(of_type(spec.ray_fields, "word"))
+        waiting = 8 * (len(spec.ray_fields) - words) + 4 * words + 8
+        a_ray = 8 * (REALS + WHOLES) * max_segments + waiting * stack + 16
+        rays = int(tables.launch["rays_per_batch"])
+        self.at_once = min(max(_BYTES_AT_ONCE // a_ray, 1), rays)
+        """Rays that are followed together."""
+        self._launch = launch_of(
+            tables, slots=1, stack_capacity=stack, record_capacity=max_segments
         )
-        cl.enqueue_nd_range_kernel(device.queue, kernel, *apart(device, m))
-        counts = np.empty((m, 2), np.int64)
-        cl.enqueue_copy(device.queue, counts, counts_buffer)
-        reals = np.empty((m, max_segments, REALS))
-        wholes = np.empty((m, max_segments, WHOLES), np.int64)
-        cl.enqueue_copy(device.queue, reals, reals_buffer)
-        cl.enqueue_copy(device.queue, wholes, wholes_buffer)
-        used = np.arange(max_segments) < counts[:, :1]
-        before = behind + np.cumsum(counts[:, 0]) - counts[:, 0]
-        wholes[..., 3] += np.where(wholes[..., 3] >= 0, before[:, np.newaxis], 0)
-        ray = np.repeat(np.arange(first, first + m), counts[:, 0])
-        found.append((ray, reals[used], wholes[used], counts[:, 1] > 0))
-        behind += len(ray)
-    cells: NDArray[np.int64] | SparseTally
-    if is_sparse(tables.n_cells):
-        cells = read_sparse(device, tally, tables.n_cells, None)
-    else:
-        cells = read_dense(device, tally, 1, tables.n_cells, None)[0]
-    program.keep()
-    ray, reals, wholes, cut = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return RawPaths(ray, reals, wholes, cut, cells)
+        self._launch_buffer = self._allocate(self._launch.nbytes // 8)
+        self._scene = [
+            self._upload(a)
+            for a in (tables.geometry, tables.materials, tables.sources, tables.codes)
+        ]
+        self._tally = self._allocate(CELL * tables.n_cells)
+        zero = np.zeros(1, np.int64)
+        cl.enqueue_fill_buffer(device.queue, self._tally, zero, 0, self._tally.size)
+        n = self.at_once
+        self._queue = Queue(device, spec, n, stack)
+        self._parents, self._counts = self._allocate(n * stack), self._allocate(2 * n)
+        self._reals = self._allocate(REALS * n * max_segments)
+        self._wholes = self._allocate(WHOLES * n * max_segments)
+
+    def _upload(self, array: NDArray[Any]) -> cl.Buffer:
+        # Buffers cannot be empty, and a scene without elements has empty tables.
+        flags = self._cl.mem_flags.READ_ONLY | self._cl.mem_flags.COPY_HOST_PTR
+        filled = np.ascontiguousarray(array) if array.size else np.zeros(1, array.dtype)
+        return self._cl.Buffer(self._device.context, flags, hostbuf=filled)
+
+    def _allocate(self, n: int) -> cl.Buffer:
+        return self._cl.Buffer(self._device.context, self._cl.mem_flags.READ_WRITE, 8 * n)
+
+    def follow(self, batch: int, first: int, n: int) -> Iterator[RawPaths]:
+        """Follow rays of a batch, and give their segments some rays at a time.
+
+        Parameters
+        ----------
+        batch : int
+            Number of the batch.
+        first, n : int
+            Number in that of the first ray, and how many.
+        """
+        cl, queue, most = self._cl, self._device.queue, self._most
+        base = batch * int(self._tables.launch["rays_per_batch"])
+        for begin in range(first, first + n, self.at_once):
+            m = min(self.at_once, first + n - begin)
+            self._launch["items"], self._launch["ray_base"] = m, base
+            cl.enqueue_copy(queue, self._launch_buffer, self._launch)
+            self._kernel.set_args(
+                self._launch_buffer, *self._scene, self._tally, *self._queue.fields,
+                self._parents, self._reals, self._wholes, self._counts, np.uint64(begin),
+            )  # fmt: skip
+            cl.enqueue_nd_range_kernel(queue, self._kernel, *apart(self._device, m))
+            counts = np.empty((m, 2), np.int64)
+            cl.enqueue_copy(queue, counts, self._counts)
+            reals, wholes = np.empty((m, most, REALS)), np.empty((m, most, WHOLES), np.int64)
+            cl.enqueue_copy(queue, reals, self._reals)
+            cl.enqueue_copy(queue, wholes, self._wholes)
+            used = np.arange(most) < counts[:, :1]
+            before = np.cumsum(counts[:, 0]) - counts[:, 0]
+            wholes[..., 3] += np.where(wholes[..., 3] >= 0, before[:, np.newaxis], 0)
+            numbers = np.arange(base + begin, base + begin + m)
+            ray = np.repeat(numbers, counts[:, 0])
+            cut = numbers[counts[:, 1] > 0]
+            none = np.empty((0, CELL), np.int64)
+            yield RawPaths(ray, reals[used], wholes[used], cut, none)
+        self._program.keep()
+
+    def cells(self) -> NDArray[np.int64] | SparseTally:
+        """Return the ledger's part of the tally of all that was followed."""
+        n_cells = self._tables.n_cells
+        if is_sparse(n_cells):
+            return read_sparse(self._device, self._tally, n_cells, None)
+        dense = read_dense(self._device, self._tally, 1, n_cells, None)
+        return np.asarray(dense[0], np.int64)

@@ -6,7 +6,7 @@
 //
 // A segment: start (3), end (3; the direction where it escapes), weight; path, generation, element (-1
 // where it escapes), the ray's segment that it continues (-1 for a launched ray), whether it begins a
-// line of its own, and how it ends.
+// line of its own, how it ends, and the face that it ends on (-1 where it escapes).
 #define GOES_ON 0L
 #define ABSORBED 1L
 #define ESCAPED 2L
@@ -26,7 +26,7 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
     const ulong capacity = launch->record_capacity;
     __global long *waiting = parents + me * launch->stack_capacity;
     __global double *reals = segment_reals + 7 * me * capacity;
-    __global long *longs = segment_longs + 6 * me * capacity;
+    __global long *longs = segment_longs + 7 * me * capacity;
     ledger_t ledger;
     open_ledger(&ledger, tally);
     packet_t p;
@@ -43,12 +43,12 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
             begins = 1;
         }
         if (n == capacity) {
-            if (!begins) longs[6 * parent + 5] = NOT_FOLLOWED;
+            if (!begins) longs[7 * parent + 5] = NOT_FOLLOWED;
             cut = 1;
             break;
         }
         __global double *real_of = reals + 7 * n;
-        __global long *long_of = longs + 6 * n;
+        __global long *long_of = longs + 7 * n;
         real_of[0] = p.ox; real_of[1] = p.oy; real_of[2] = p.oz;
         real_of[3] = p.dx; real_of[4] = p.dy; real_of[5] = p.dz;
         real_of[6] = p.w;
@@ -70,6 +70,7 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         }
         long_of[2] = hit.found ? (long)ELEMENT_OF(hit.code) : -1L;
         long_of[5] = ending;
+        long_of[6] = hit.found ? (long)FACE_OF(hit.code) : -1L;
 % if splits:
         if (child.alive) {
             waiting[stack] = (long)n;

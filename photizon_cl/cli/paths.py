@@ -28,8 +28,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--top", metavar="N", type=int, default=20, help="rows; default 20")
     parser.add_argument(
         "--via", metavar="NAME", nargs="+", default=[], action="extend",
-        help='elements ("window"), faces ("window.back") or events at them ("window.back r") that a '
-        "path must all meet",
+        help='elements ("window"), faces ("window.back") or events there ("window.back r") that '
+        "a path must all meet",
     )  # fmt: skip
     parser.add_argument(
         "--ghosts", metavar="K", type=int, help="paths with exactly K reflections at glass"
@@ -128,9 +128,7 @@ def _plain(table: PathTable, arguments: argparse.Namespace) -> dict[str, object]
     }
 
 
-def _print(
-    table: PathTable, arguments: argparse.Namespace, emitted: float, out: Console
-) -> None:
+def _print(table: PathTable, arguments: argparse.Namespace, emitted: float, out: Console) -> None:
     from photizon_cl.cli.tables import heading, paragraph, print_table
     from photizon_cl.cli.tables import table as new_table
     from photizon_cl.result.text import with_error
@@ -140,15 +138,17 @@ def _print(
     out.print()
     if arguments.pairs or arguments.by:
         what = "reflected at first, then at" if arguments.pairs else arguments.by.replace("_", " ")
-        rows = new_table((what, "left"), ("power, W", "right"), ("± σ", "right"), ("paths", "right"))
-        lines = (
-            [(str(pair), pair.power, pair.sigma, "") for pair in table.ghosts().pairs()]
-            if arguments.pairs
-            else [(g.label, g.power, g.sigma, str(len(g.rows))) for g in table.grouped(arguments.by)]
+        grid = new_table(
+            (what, "left"), ("power, W", "right"), ("± σ", "right"), ("paths", "right")
         )
-        for label, power, sigma, n in lines[: arguments.top]:
-            rows.add_row(label, *with_error(power, sigma), n)
-        print_table(rows, out)
+        pairs = table.ghosts().pairs() if arguments.pairs else ()
+        lines = [(str(pair), pair.power, pair.sigma, "") for pair in pairs]
+        if arguments.by:
+            groups = table.grouped(arguments.by)
+            lines = [(g.label, g.power, g.sigma, str(len(g.rows))) for g in groups]
+        for label, value, sigma, paths in lines[: arguments.top]:
+            grid.add_row(label, *with_error(value, sigma), paths)
+        print_table(grid, out)
         if len(lines) > arguments.top:
             out.print(paragraph(f"{len(lines) - arguments.top} more: --top shows them", ""))
         return

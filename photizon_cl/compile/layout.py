@@ -349,8 +349,8 @@ def lay_out(
         for name, filters in element.detector.tallies(element):
             tallies.append(TallyCells(name, cell, filters))
             cell += tallies[-1].size
-        rows = element.detector.paths or 0
-        found.append(DetectorCells(n, power, tuple(tallies), rows))
+        paths = element.detector.paths or 0
+        found.append(DetectorCells(n, power, tuple(tallies), paths))
     brought = []
     for effect, shape, labels, unit, scale in groups:
         brought.append(CellGroup(effect, cell, shape, labels, unit, scale))

@@ -81,7 +81,7 @@ class RunInfo:
     forecast : Forecast or None
         How long the run would take, told from its first batches; None where it ended with them.
     trails : Trails or None
-        Steps of the strongest paths to detectors, found at the end; None where none were looked for.
+        Steps of the strongest paths to detectors; None where none were looked for.
     portable : bool
         Whether every device that was used promises these bits, as all do in double precision.
     """

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from hostcode.run.tally import SparseTally
     from photizon_cl.compile.layout import TallyLayout
 
-__all__ = ["LEAST_ADMITTED", "KeyedState", "KeyedSums", "check_paths"]
+__all__ = ["LEAST_ADMITTED", "MOST_FOLLOWED_VALUES", "KeyedState", "KeyedSums", "check_paths"]
 
 LEAST_ADMITTED: Final = 1 << 16
 """Keys that are admitted at least."""
@@ -186,7 +186,7 @@ class KeyedSums:
         return totals_of(self.limbs)
 
     def table(self) -> NDArray[np.float64]:
-        """Return what each batch gave of the first keys, shape (batches, f), in launched weights."""
+        """Return what batches gave of the first keys, shape (batches, f), in launched weights."""
         width = min((len(self.keys), FOLLOWED))
         if self._rows:
             width = min(width, MOST_FOLLOWED_VALUES // len(self._rows))
@@ -207,8 +207,16 @@ class KeyedSums:
 
     def state(self) -> KeyedState:
         """Return a copy of everything."""
-        arrays = (self.keys, self.about, self.first, self.limbs, self.count, self.mean, self.m2)
-        return KeyedState(*(a.copy() for a in arrays), self.table())
+        return KeyedState(
+            self.keys.copy(),
+            self.about.copy(),
+            self.first.copy(),
+            self.limbs.copy(),
+            self.count.copy(),
+            self.mean.copy(),
+            self.m2.copy(),
+            self.table(),
+        )
 
     @classmethod
     def restore(cls, most: int, state: KeyedState, batches: int) -> KeyedSums:

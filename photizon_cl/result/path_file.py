@@ -115,4 +115,6 @@ def check_path_sums(compiled: CompiledScene, tally: Accumulator, trails: Trails 
         if total > most or count > arrivals or (whole and (total, count) != (most, arrivals)):
             raise ValueError("its paths bring another power than their detector has")
     if trails is not None:
-        trails.check(dict(zip(sums.keys.tolist(), sums.about.tolist(), strict=True)), compiled.scene)
+        trails.check(
+            dict(zip(sums.keys.tolist(), sums.about.tolist(), strict=True)), compiled.scene
+        )

@@ -330,7 +330,15 @@ class PathTable(Sequence[PathRow]):
         PhotizonError
             Where pandas is not installed.
         """
-        names = ("sequence", "power", "sigma", "count", "interactions", "ghost_order", "example_ray")
+        names = (
+            "sequence",
+            "power",
+            "sigma",
+            "count",
+            "interactions",
+            "ghost_order",
+            "example_ray",
+        )
         columns = {name: [getattr(row, name) for row in self.rows] for name in names}
         columns["sigma"] = [math.nan if s is None else s for s in columns["sigma"]]
         return data_frame_of(columns)

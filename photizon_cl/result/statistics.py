@@ -180,9 +180,7 @@ class Accumulator:
         """Sums of cells by key, where the scene keeps any."""
         self._digest = bytes(32)
 
-    def add(
-        self, cells: NDArray[np.int64] | SparseTally, keyed: KeyedRows | None = None
-    ) -> None:
+    def add(self, cells: NDArray[np.int64] | SparseTally, keyed: KeyedRows | None = None) -> None:
         """Add the next batch.
 
         Parameters

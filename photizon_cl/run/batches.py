@@ -271,7 +271,12 @@ def _add_batches(
                     progress(Progress.of(compiled, tally, goal, info, interactions, clock, told))
                 if done or full or interrupted() or clock.over():
                     break
-                del chunk, cells, whole, keyed  # the next ones are computed before they are replaced
+                del (
+                    chunk,
+                    cells,
+                    whole,
+                    keyed,
+                )  # the next ones are computed before they are replaced
         finally:
             close = getattr(chunks, "close", None)
             if close is not None:

@@ -45,6 +45,7 @@ _GROWING: Final = 64 << 20
 _WORDS: Final = {
     "tally": "the tally of a batch on the device",
     "copies": "copies of the tally on the device",
+    "keyed": "path tables on the device",
     "waiting": "rays that wait on the device",
     "records": "arrivals that are written down on the device",
     "scene": "the scene on the device",
@@ -59,6 +60,7 @@ _WORDS: Final = {
 _SHORT: Final = {
     "tally": "tally",
     "copies": "its copies",
+    "keyed": "paths",
     "waiting": "waiting rays",
     "records": "records",
     "scene": "scene",

@@ -13,6 +13,7 @@ from hostcode.run.queue import Queue
 from hostcode.run.sizes import Sizes
 from hostcode.run.tally import CELL, is_sparse
 from photizon_cl.result.batch_values import MOST_VALUES
+from photizon_cl.result.keyed_sums import LEAST_ADMITTED, MOST_FOLLOWED_VALUES
 from photizon_cl.result.sums import SPARSE_CELL
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["WRITTEN", "Needs", "array_sizes", "drawn", "human"]
 
+_PATH: Final = 8 * (3 + 4 + 1 + 1 + 1)
+"""Bytes of a path: key, what is known of it, first ray, limbs, count, mean, squares."""
 _SUMS: Final = 8 * (4 + 1 + 1 + 1)
 """Bytes of a cell's sums: limbs, count, mean, squares."""
 _BATCH: Final = 8 * CELL
@@ -134,7 +137,7 @@ class Needs:
             state=state,
             files=state + _DRAWN_BIN * largest,
             figures=drawn(largest),
-            more=(SPARSE_CELL + WRITTEN) * n if sparse else 0,
+            more=((SPARSE_CELL + WRITTEN) * n if sparse else 0) + _paths(layout),
             waiting_more=more,
             shared=record is not None and record.type == "cpu",
             values=_values(layout, batches or 0),
@@ -164,6 +167,13 @@ class Needs:
     def most_at_a_time(self, *, saved: bool = False, drawn: bool = False) -> int:
         """Return what this process takes at most at a time, see `phases`."""
         return max(sum(p.values()) for p in self.phases(saved=saved, drawn=drawn).values())
+
+
+def _paths(layout: TallyLayout) -> int:
+    """Return what sums by path may come to, and writing them."""
+    if not layout.most_paths:
+        return 0
+    return 3 * (_PATH * max(layout.most_paths, LEAST_ADMITTED) + _VALUE * MOST_FOLLOWED_VALUES)
 
 
 def _values(layout: TallyLayout, batches: int) -> int:

@@ -9,19 +9,20 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hostcode.run.paths import trace_paths
+from hostcode.run.paths import Follower, joined, trace_paths
 from hostcode.run.tally import values, whole_of
 from photizon_cl.checks.precision import DEFAULT, fitting_mode
-from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.compiled import MAX_RAY_NUMBER, compile_scene
 from photizon_cl.errors import ArgumentError, SceneError, show
 from photizon_cl.result.paths import ENDINGS, Paths
 from photizon_cl.run.distribution import device_failures, open_chosen
+from photizon_cl.run.picking import Wanted
 from photizon_cl.scene.files import load
 from photizon_cl.scene.settings import MAX_RAYS_PER_BATCH
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from hostcode.device.device import DeviceRecord
     from hostcode.run.paths import RawPaths
@@ -39,6 +40,10 @@ def paths(
     rays: int = 50,
     seed: int | None = None,
     *,
+    ending_on: str | None = None,
+    via: str | Sequence[str] = (),
+    ray_numbers: Sequence[int] | None = None,
+    most_launched: int = 1 << 20,
     generation_cap: int | None = None,
     max_segments: int = 4096,
     escape_length: float | None = None,
@@ -58,6 +63,17 @@ def paths(
         Launched rays, at least one for each source.
     seed : int, optional
         The random stream; default that of the scene's ``[run]``.
+    ending_on : str, optional
+        Only paths that arrive at this element, by its name, and of these rays only what leads
+        there: of the first `rays` launched rays that do. The rays looked at are then those of
+        ``photizon_cl.trace(scene, seed=seed)``, with the scene's own rays per batch, one after
+        another, so that their numbers are those that a path table gives as examples.
+    via : str or sequence of str, optional
+        Elements (``window``) or faces (``window.back``) that such a path must all meet.
+    ray_numbers : sequence of int, optional
+        Only these launched rays of that trace, by number, instead of the first ones.
+    most_launched : int, optional
+        Rays that are looked at where `ending_on` is given.
     generation_cap : int, optional
         Surface interactions at most; default that of the scene's ``[run]``.
     max_segments : int, optional
@@ -83,21 +99,62 @@ def paths(
         Where there is no usable device, or it fails.
     """
     loaded = load(scene)
+    picked = ending_on is not None or ray_numbers is not None
+    if via and ending_on is None:
+        raise ArgumentError("via: give ending_on as well, the element that the paths end on")
     n_rays = _whole("rays", rays, max(len(loaded.source), 1), MAX_RAYS_PER_BATCH)
     most = _whole("max_segments", max_segments, 1, _MOST_SEGMENTS)
-    as_run = _as_run(loaded, rays_per_batch=n_rays, seed=seed, generation_cap=generation_cap)
+    per_batch = None if picked else n_rays
+    as_run = _as_run(loaded, rays_per_batch=per_batch, seed=seed, generation_cap=generation_cap)
     length = _size(as_run) / 2.0 if escape_length is None else escape_length
     if not (isinstance(length, int | float) and 0.0 < length < math.inf):
         raise ArgumentError(f"escape_length: found {show(length)}, expected a positive length in m")
     compiled = compile_scene(as_run, as_run.run, precision=fitting_mode(precision, as_run).name)
     opened = open_chosen(str(device) if isinstance(device, int) else device)
+    names = (via,) if isinstance(via, str) and via else tuple(via)
+    wanted = None if ending_on is None else Wanted.of(as_run, ending_on, names)
+    if ray_numbers is not None:
+        numbers = sorted({_whole("ray_numbers", n, 0, MAX_RAY_NUMBER - 1) for n in ray_numbers})
+        launched = [(n, 1) for n in numbers]
+    else:
+        limit = _whole("most_launched", most_launched, 1, MAX_RAY_NUMBER)
+        launched = [(0, limit)]
     with device_failures(opened.record.label):
-        raw = trace_paths(opened, compiled.tables, most)
+        if not picked:
+            raw = trace_paths(opened, compiled.tables, most)
+        else:
+            follower = Follower(opened, compiled.tables, most)
+            raw = _picked(follower, compiled, launched, wanted, n_rays)
     return _finish(compiled, raw, float(length))
 
 
+def _picked(
+    follower: Follower,
+    compiled: CompiledScene,
+    launched: list[tuple[int, int]],
+    wanted: Wanted | None,
+    most: int,
+) -> RawPaths:
+    """Follow ranges of rays, and keep the segments of the paths that are wanted, up to `most`."""
+    rays = compiled.settings.rays_per_batch
+    parts: list[RawPaths] = []
+    left = most
+    for begin, n in launched:
+        while n and left:
+            batch, first = divmod(begin, rays)
+            some = min(n, rays - first, follower.at_once)
+            for part in follower.follow(batch, first, some):
+                found = part if wanted is None else wanted.of_these(part, left)
+                if wanted is not None:
+                    left -= wanted.rays
+                if len(found.ray):
+                    parts.append(found)
+            begin, n = begin + some, n - some
+    return joined(parts, follower.cells())
+
+
 def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Paths:
-    path, generation, element, parent, begins, ending = raw.wholes.T
+    path, generation, element, parent, begins, ending, _ = raw.wholes.T
     shift = np.array(compiled.shift)
     start, end = raw.reals[:, 0:3] + shift, raw.reals[:, 3:6].copy()
     escaped = ending == _ESCAPED
@@ -124,7 +181,7 @@ def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Pat
         unit_power=compiled.unit_power,
         escape_length=escape_length,
         ledger=ledger,
-        cut=np.flatnonzero(raw.cut),
+        cut=raw.cut,
     )
 
 

@@ -39,8 +39,8 @@ class Detector(Described):
         G entries of the ladder, 1 … 4096. Entry g is the power (W) that arrived after g surface
         interactions; the last one collects g ≥ G − 1.
     paths : int, optional
-        N, 1 … 10⁶: every arrival's sequence of faces and events is counted, and the path table keeps
-        the N strongest and one row for the rest.
+        N, 1 … 10⁶: every arrival's sequence of faces and events is counted, and the path table
+        keeps the N strongest and one row for the rest.
     side : str, optional
         ``"front"`` (arrivals against the normal) or ``"back"`` (along it) of a flat element,
         ``"inside"`` or ``"outside"`` of a curved one; None takes the element's default.

@@ -11,7 +11,17 @@ from matplotlib.colors import LogNorm
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.statistics import LIT_COUNT
 from photizon_cl.views.figures.scales import log_ticks
-from photizon_cl.views.figures.style import BLUE, GRID, INK, LABEL, QUIET, SMALL, sheet, styled, whole
+from photizon_cl.views.figures.style import (
+    BLUE,
+    GRID,
+    INK,
+    LABEL,
+    QUIET,
+    SMALL,
+    sheet,
+    styled,
+    whole,
+)
 from photizon_cl.views.figures.words import escaped, fitted, inches, parts_of
 
 if TYPE_CHECKING:
@@ -76,7 +86,9 @@ def draw_paths(result: Estimates, element: str, *, ax: Axes | None = None) -> Fi
     detector = result.detectors[element].power
     rest = table.rest
     left = math.fsum(row.power for row in table[len(shown) :]) + rest.power
-    notes = ["dots with ±σ; r reflected, t transmitted, i totally reflected, s scattered"]
+    notes = [
+        "dots with ±σ; r reflected, i totally reflected, s scattered; in brackets the transmissions"
+    ]
     if left > 0.0:
         notes.append(f"{left:.3g} W come by other paths")
     relative = detector.sigma / detector.value if detector.sigma and detector.value else None
@@ -111,12 +123,15 @@ def _ranked(axes: Axes, shown: list[PathRow], emitted: float) -> None:
                 [shown[n].power for n in some], some, linestyle="none", marker="o", markersize=5.5,
                 color=BLUE, markerfacecolor="white" if few else BLUE, markeredgewidth=1.2, zorder=4,
             )  # fmt: skip
+    faces: dict[str, set[str]] = {}
+    for row in shown:
+        for step in row.steps:
+            faces.setdefault(step.element, set()).add(step.face)
     # the sequence stands over its line: it is longer than any margin
     width = axes.get_window_extent().width / whole(axes).dpi
     for n, row in enumerate(shown):
-        text = row.sequence.rsplit(" > ", 1)[0] if row.interactions else "direct"
         axes.annotate(
-            escaped(_middle(text, width - 0.15)), (0.0, n), (2.0, 4.0),
+            escaped(_middle(_said(row, faces), width - 0.15)), (0.0, n), (2.0, 4.0),
             xycoords=("axes fraction", "data"), textcoords="offset points", fontsize=SMALL,
             color=INK, va="bottom", zorder=5,
         )  # fmt: skip
@@ -124,7 +139,9 @@ def _ranked(axes: Axes, shown: list[PathRow], emitted: float) -> None:
     axes.set_ylim(max(len(shown), 1) - 0.5, -0.9)
     axes.set_xlabel("power in W", fontsize=LABEL)
     right: Any = axes.secondary_yaxis("right")
-    right.set_yticks(places, [f"{row.power:.3g}".replace("-", "−") for row in shown], fontsize=SMALL)
+    right.set_yticks(
+        places, [f"{row.power:.3g}".replace("-", "−") for row in shown], fontsize=SMALL
+    )
     right.tick_params(length=0)
     right.spines["right"].set_visible(False)
     above: Any = axes.secondary_xaxis("top", functions=parts_of(emitted))
@@ -144,6 +161,23 @@ def _ranked(axes: Axes, shown: list[PathRow], emitted: float) -> None:
             0.5, 0.5, "nothing arrived", transform=axes.transAxes, ha="center", fontsize=LABEL,
             color=QUIET,
         )  # fmt: skip
+
+
+def _said(row: PathRow, faces: dict[str, set[str]]) -> str:
+    """Return a path in short: what turned it, and how often it was transmitted on the way."""
+    if not row.steps:
+        return row.sequence if row.interactions else "direct"
+    turns = [
+        f"{step.element}.{step.face} {step.event}"
+        if len(faces[step.element]) > 1
+        else f"{step.element} {step.event}"
+        for step in row.steps
+        if step.event != "t"
+    ]
+    passed = row.events.count("t")
+    if not turns:
+        return "direct, transmitted" + (f" {passed} times" if passed > 1 else "")
+    return " > ".join(turns) + (f"   ({passed} t)" if passed else "")
 
 
 def _middle(text: str, room: float) -> str:
@@ -212,9 +246,11 @@ def _matrix(axes: Axes, ghosts: Ghosts) -> None:
     norm = LogNorm(min(least, 0.1 * top) * 0.999, top)
     shown = np.ma.masked_array(ghosts.power, ~lit)
     axes.set_facecolor("#ececec")
-    image = axes.imshow(shown, norm=norm, cmap="cividis", origin="upper", interpolation="none")
+    image = axes.imshow(shown, norm=norm, cmap="cividis", aspect="auto")
     names = [escaped(fitted(face, SMALL, 1.8)) for face in ghosts.faces]
-    axes.set_xticks(range(n), names, fontsize=SMALL, rotation=40, ha="right", rotation_mode="anchor")
+    axes.set_xticks(
+        range(n), names, fontsize=SMALL, rotation=40, ha="right", rotation_mode="anchor"
+    )
     axes.set_yticks(range(n), names, fontsize=SMALL)
     axes.set_xlabel("second reflection", fontsize=LABEL)
     axes.set_ylabel("first reflection", fontsize=LABEL)
