@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from hostcode.run.tables import launch_of
 from hostcode.run.tally import CELL
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_INTERACTIONS", "follow_trails"]
 
-MOST_INTERACTIONS: Final = 1 << 22
+MOST_INTERACTIONS: Final = 1 << 24
 """Steps for which the children of one launched ray are followed."""
-_WANTED: Final = 5
+_RAY: Final = 5
 _BYTES_AT_ONCE: Final = 64 << 20
 _AT_ONCE: Final = 4096
 
@@ -33,10 +33,11 @@ _AT_ONCE: Final = 4096
 def follow_trails(
     device: OpenDevice,
     tables: DeviceTables,
-    wanted: NDArray[np.int64],
-    longest: int,
+    keys: NDArray[np.int64],
+    rays: NDArray[np.int64],
+    interactions: NDArray[np.int64],
     give_up: Callable[[], bool] | None = None,
-) -> Sequence[NDArray[np.int64] | None]:
+) -> list[NDArray[np.int64] | None]:
     """Return the steps of paths.
 
     Parameters
@@ -45,19 +46,20 @@ def follow_trails(
         Where.
     tables : DeviceTables
         The compiled scene, whose rays carry the keys of their paths.
-    wanted : ndarray, shape (n, 5), int64
-        Key of each path, batch of the launched ray that shows it and its number in that, element
-        and number of the detector that it ends in.
-    longest : int
-        Interactions of the longest.
+    keys : ndarray, shape (n,), int64
+        Of the paths.
+    rays : ndarray, shape (n,), int64
+        Number of a launched ray that shows each.
+    interactions : ndarray, shape (n,), int64
+        Of each path.
     give_up : callable, optional
         Asked on the way: whether to leave the rest.
 
     Returns
     -------
-    sequence of (ndarray, shape (interactions,), int64) or None
+    list of (ndarray, shape (interactions,), int64) or None
         Element << 20 | name of the face << 4 | event of each step; None where the path was not
-        found within `MOST_INTERACTIONS`, or was left.
+        found within `MOST_INTERACTIONS` of its ray, or was left.
 
     Raises
     ------
@@ -66,49 +68,77 @@ def follow_trails(
     """
     import pyopencl as cl
 
+    found: list[NDArray[np.int64] | None] = [None] * len(keys)
+    if not len(keys):
+        return found
     spec = tables.spec.for_device(1, ("trails",))
     program = build(device, spec)
     kernel = program.kernel("trails_stage")
-    capacity = max(longest, 1)
     cap = int(tables.launch["generation_cap"])
     stack = cap + 2 if spec.splits else 1
-    # what is followed may be longer than what is wanted
-    room = max(capacity, cap + 1)
+    room = cap + 1
     words = len(of_type(spec.ray_fields, "word"))
-    a_path = 8 * room + (8 * (len(spec.ray_fields) - words) + 4 * words + 8) * stack
-    at_once = min(max(_BYTES_AT_ONCE // a_path, 1), len(wanted), _AT_ONCE)
+    a_ray = 8 * room + (8 * (len(spec.ray_fields) - words) + 4 * words + 8) * stack
+    at_once = min(max(_BYTES_AT_ONCE // a_ray, 1), _AT_ONCE)
     flags = cl.mem_flags
 
     def allocate(n: int) -> cl.Buffer:
         return cl.Buffer(device.context, flags.READ_WRITE, 8 * max(n, 1))
 
-    def upload(array: NDArray[np.int64] | NDArray[np.float64]) -> cl.Buffer:
+    def upload(array: NDArray[Any]) -> cl.Buffer:
         # buffers cannot be empty
         filled = np.ascontiguousarray(array) if array.size else np.zeros(1, array.dtype)
-        return cl.Buffer(device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=filled)
+        return cl.Buffer(device.context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=filled)
 
     launch = launch_of(tables, slots=1, stack_capacity=stack)
     launch_buffer = allocate(launch.nbytes // 8)
     scene = [upload(a) for a in (tables.geometry, tables.materials, tables.sources, tables.codes)]
     tally = allocate(CELL * tables.n_cells)
     queue = Queue(device, spec, at_once, stack)
-    last_steps, chains, lengths = (allocate(n) for n in (at_once * stack, at_once * room, at_once))
-    found: list[NDArray[np.int64] | None] = []
-    for begin in range(0, len(wanted), at_once):
+    last_steps, chains = allocate(at_once * stack), allocate(at_once * room)
+    per_batch = int(tables.launch["rays_per_batch"])
+    for some in _shared_out(keys, rays, interactions, at_once):
         if give_up is not None and give_up():
             break
-        some = wanted[begin : begin + at_once]
-        launch["items"] = len(some)
+        numbers, begins, counts = np.unique(rays[some], return_index=True, return_counts=True)
+        longest = np.maximum.reduceat(interactions[some], begins)
+        asked = np.stack([*divmod(numbers, per_batch), begins, counts, longest], axis=1)
+        launch["items"] = len(asked)
         cl.enqueue_copy(device.queue, launch_buffer, launch)
-        asked = upload(some)  # kept: a kernel does not hold its arguments
+        width = max(int(longest.max()), 1)
+        steps = np.zeros((len(some), width), np.int64)
+        lengths = np.full(len(some), -1)
+        # kept here: a kernel does not hold its arguments
+        buffers = [upload(a) for a in (asked, keys[some], steps, lengths)]
         kernel.set_args(
-            launch_buffer, *scene, tally, *queue.fields, last_steps, asked, chains, lengths,
-            np.uint64(room), np.uint64(MOST_INTERACTIONS),
+            launch_buffer, *scene, tally, *queue.fields, last_steps, chains, *buffers,
+            np.uint64(room), np.uint64(width), np.uint64(MOST_INTERACTIONS),
         )  # fmt: skip
-        cl.enqueue_nd_range_kernel(device.queue, kernel, *apart(device, len(some)))
-        steps, n = np.empty((len(some), room), np.int64), np.empty(len(some), np.int64)
-        cl.enqueue_copy(device.queue, steps, chains)
-        cl.enqueue_copy(device.queue, n, lengths)
-        found += [s[:k].copy() if k >= 0 else None for s, k in zip(steps, n.tolist(), strict=True)]
+        cl.enqueue_nd_range_kernel(device.queue, kernel, *apart(device, len(asked)))
+        cl.enqueue_copy(device.queue, steps, buffers[2])
+        cl.enqueue_copy(device.queue, lengths, buffers[3])
+        for n, row, length in zip(some.tolist(), steps, lengths.tolist(), strict=True):
+            found[n] = row[:length].copy() if length >= 0 else None
     program.keep()
-    return found + [None] * (len(wanted) - len(found))
+    return found
+
+
+def _shared_out(
+    keys: NDArray[np.int64], rays: NDArray[np.int64], interactions: NDArray[np.int64], at_once: int
+) -> Iterator[NDArray[np.intp]]:
+    """Give the paths some rays at a time, in order of ray and then of key as the kernel has it."""
+    order = np.lexsort((keys.view(np.uint64), rays))
+    begins = np.flatnonzero(np.append(True, np.diff(rays[order]) != 0))
+    ends = np.append(begins[1:], len(order))
+    first = 0
+    while first < len(begins):
+        last = first
+        widest, size = 0, 0
+        while last < len(begins) and last - first < at_once:
+            widest = max(widest, int(interactions[order[begins[last] : ends[last]]].max()))
+            size += int(ends[last] - begins[last])
+            if last > first and 8 * size * widest > _BYTES_AT_ONCE:
+                break
+            last += 1
+        yield order[begins[first] : ends[last - 1]]
+        first = last

@@ -1,18 +1,20 @@
 ## splits; lanes == 1
-// Which steps a path has: follows the launched ray that shows it, and all its children, until one
-// arrives with the path's key.
+// Which steps paths have: follows the launched rays that show them, each with all its children, until
+// every path that is wanted of it was met.
 //
-// One work-item a path, depth first, through the functions that the trace runs.  What a ray has met
+// One work-item a ray, depth first, through the functions that the trace runs.  What a ray has met
 // stands in `chain`, a step an interaction; of a child that waits its last step waits beside it, and
 // those before are still in place when it is taken up, since all that was followed between is longer.
-// reads: scene tables, launch, wanted paths (key, ray's batch, its number in that, detector's
-// element and number).
-// uses: a queue segment a path.  writes: steps and their number, −1 where the path was not found; the
-// tally, of which nothing is asked.
-#define WANTED 5
+// A ray that has met more than the longest path that is wanted is left.
+// reads: scene tables, launch; rays (batch, number in that, first of its paths, how many, interactions
+// of the longest), keys of the paths, ascending within a ray's.
+// uses: a queue segment a ray.  writes: steps of each path and their number, -1 where it was not found;
+// the tally, of which nothing is asked.
+#define TRAIL_RAY 5
 __kernel void trails_stage(SCENE_ARGUMENTS, __global double *queue_reals, __global uint *queue_words,
-                           __global long *queue_longs, __global long *last_steps, __global const long *wanted,
-                           __global long *chains, __global long *lengths, ulong capacity, ulong most_steps) {
+                           __global long *queue_longs, __global long *last_steps, __global long *chains,
+                           __global const long *rays, __global const ulong *keys, __global long *steps,
+                           __global long *lengths, ulong room, ulong longest, ulong most_steps) {
     const ulong me = get_global_id(0);
     if (me >= launch_buffer->items) return;
     const launch_t settings = open_launch(launch_buffer);
@@ -20,27 +22,39 @@ __kernel void trails_stage(SCENE_ARGUMENTS, __global double *queue_reals, __glob
     const scene_t scene = open_scene(geometry, materials, sources, codes);
     const queue_t queue = open_queue(launch, queue_reals, queue_words, queue_longs, me);
     __global long *waiting = last_steps + me * launch->stack_capacity;
-    __global long *chain = chains + me * capacity;
-    __global const long *want = wanted + WANTED * me;
+    __global long *chain = chains + me * room;
+    __global const long *ray = rays + TRAIL_RAY * me;
+    const long first = ray[2];
+    long left = ray[3];
     ledger_t ledger;
     open_ledger(&ledger, tally);
     packet_t p;
     clear_packet(&p);
-    generate(launch, &scene, (ulong)want[1], want[2], ALL_LANES, &p);
+    generate(launch, &scene, (ulong)ray[0], ray[1], ALL_LANES, &p);
     ulong stack = 0;
-    lengths[me] = -1;
-    for (ulong step = 0; step < most_steps; step++) {
-        if (!p.alive) {
+    for (ulong step = 0; step < most_steps && left; step++) {
+        if (!p.alive || (long)p.generation > ray[4]) {
             if (!stack) break;
             stack--;
             take_rays(&queue, (long)stack, ALL_LANES, &p);
             chain[p.generation - 1] = waiting[stack];
+            continue;
         }
         hit_t hit;
         nearest(&scene, &p, &hit);
-        if (hit.found && ELEMENT_OF(hit.code) == want[3] && path_key(p.trail, (ulong)want[4]) == (ulong)want[0]) {
-            lengths[me] = p.generation;
-            break;
+        if (hit.found && HAS_DETECTOR(hit.code)) {
+            const ulong key = path_key(p.trail, (ulong)codes[launch->detector_of + ELEMENT_OF(hit.code)]);
+            long low = first, high = first + ray[3];
+            while (low < high) {
+                const long middle = (low + high) / 2;
+                if (keys[middle] < key) low = middle + 1;
+                else high = middle;
+            }
+            if (low < first + ray[3] && keys[low] == key && lengths[low] < 0) {
+                lengths[low] = p.generation;
+                for (uint k = 0; k < p.generation; k++) steps[low * longest + k] = chain[k];
+                left--;
+            }
         }
         const ulong before = p.trail;
         const uint generation = p.generation;

@@ -97,12 +97,15 @@ class PathRest:
         Arrivals.
     paths : int
         How many different paths these are, those at least.
+    exact : int
+        The power as the tally has it, see `PathTable.exact`.
     """
 
     power: float
     sigma: float | None
     count: int
     paths: int
+    exact: int
 
     def summary(self) -> dict[str, Any]:
         """Return it as the summary holds it."""
@@ -184,7 +187,12 @@ class PathTable(Sequence[PathRow]):
     @property
     def power(self) -> float:
         """W of all rows together."""
-        return self._about.watts(sum(self._exact))
+        return self._about.watts(self.exact)
+
+    @property
+    def exact(self) -> int:
+        """All rows together in units of 2^-95 launched weights, over all batches: no rounding."""
+        return sum(self._exact)
 
     @cached_property
     def sigma(self) -> float | None:
@@ -195,11 +203,11 @@ class PathTable(Sequence[PathRow]):
     def rest(self) -> PathRest:
         """What is left of the detector's power: paths that are not in the table."""
         about = self._about
-        left = about.power_exact - sum(self._exact)
+        left = about.power_exact - self.exact
         count = about.power_count - sum(row.count for row in self.rows)
         sigma = about.rest_sigma(self._columns, self.rows) if count else about.nothing
         paths = max(about.total_paths - len(self.rows), 1 if count else 0)
-        return PathRest(about.watts(left), sigma, count, paths)
+        return PathRest(about.watts(left), sigma, count, paths, left)
 
     # -- parts -----------------------------------------------------------------------------------
 

@@ -38,21 +38,17 @@ def with_trails(
     """
     compiled, sums = result.compiled, result.tally.keyed
     assert sums is not None
-    rays = compiled.settings.rays_per_batch
-    rows, longest = [], 0
-    for number, d in enumerate(compiled.layout.detectors):
-        if d.paths:
-            mine = strongest(sums, number, d.paths)
-            first = sums.first[mine]
-            n = np.full(len(mine), number)
-            found = (sums.keys[mine], first // rays, first % rays, np.full(len(mine), d.element), n)
-            rows.append(np.stack(found, axis=1))
-            longest = max(longest, int((sums.about[mine] & 0xFFFFFFFF).max(initial=0)))
-    wanted = np.concatenate(rows)
+    shown = [
+        strongest(sums, number, d.paths)
+        for number, d in enumerate(compiled.layout.detectors)
+        if d.paths
+    ]
+    mine = np.concatenate(shown)
+    keys, rays, interactions = sums.keys[mine], sums.first[mine], sums.about[mine] & 0xFFFFFFFF
     try:
         opened = open_chosen(device)
         with device_failures(opened.record.label):
-            steps = follow_trails(opened, compiled.tables, wanted, longest, interrupted)
+            steps = follow_trails(opened, compiled.tables, keys, rays, interactions, interrupted)
     except PhotizonError as error:
         warnings.warn(
             f"the paths have no words, since their rays cannot be followed here: {error}",
@@ -60,4 +56,4 @@ def with_trails(
             stacklevel=5,
         )
         return result.info
-    return dataclasses.replace(result.info, trails=Trails.of(wanted[:, 0].tolist(), steps))
+    return dataclasses.replace(result.info, trails=Trails.of(keys.tolist(), steps))
