@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
-from oracles import branching, chance, contacts, gates, kernels, packets
+from oracles import branching, chance, contacts, gates, kernels, packets, trails
 from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, cube, matt, wall
 
@@ -462,6 +462,13 @@ MUTANTS = (
         {"conic.height": "SEL(beyond, high, clamp(z, low, high))"},
         gates.round_corners_hold,
     ),
+    Mutant(
+        "a path is counted by half",
+        {"keyed.weight": "(0.5 * w)"},
+        trails.plate,
+    ),
+    Mutant("the last ray of a path is its example", {"keyed.first": "seen == 0 || seen > early"}, trails.plate),
+    Mutant("a path forgets what it met", {"path_table.trail": "trail"}, trails.plate),
 )  # fmt: skip
 
 

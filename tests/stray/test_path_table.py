@@ -1,4 +1,4 @@
-"""The path table: sequences against closed forms, a second route, and the detector's own integers."""
+"""Path tables: against closed forms, a second route, and the detector's own integers."""
 
 from __future__ import annotations
 

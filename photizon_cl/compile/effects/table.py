@@ -13,7 +13,7 @@ from photizon_cl.compile.effects.contact import Contact
 from photizon_cl.compile.effects.detector import Detector
 from photizon_cl.compile.effects.far_field import FarField
 from photizon_cl.compile.effects.opening import Opening
-from photizon_cl.compile.effects.paths import Paths
+from photizon_cl.compile.effects.path_table import PathTable
 from photizon_cl.compile.effects.roulette import Roulette
 from photizon_cl.compile.effects.shares import Shares
 from photizon_cl.compile.effects.splitting import Splitting
@@ -38,7 +38,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     Contact(),
     Coincidence(),
     Opening(),
-    Paths(),
+    PathTable(),
     Detector(),
     Map(),
     Ladder(),

@@ -14,5 +14,5 @@ FN luint trail_step(const launch_t *launch, const scene_t *scene, mask met, lint
 }
 
 FN luint extend_trail(const launch_t *launch, const scene_t *scene, mask met, luint trail, lint code, word event) {
-    return ${point("paths.trail", "mixed_trail(trail, trail_step(launch, scene, met, code, event))")};
+    return ${point("path_table.trail", "mixed_trail(trail, trail_step(launch, scene, met, code, event))")};
 }

@@ -17,10 +17,10 @@ _ONWARD = "extend_trail(launch, scene, met, p->trail, h->code, outcome.event)"
 _SECOND = "extend_trail(launch, scene, met, p->trail, h->code, outcome.second_event)"
 
 
-class Paths(Effect):
+class PathTable(Effect):
     """A ray carries a key of what it met; each arrival is counted by that key too."""
 
-    name: ClassVar[str] = "paths"
+    name: ClassVar[str] = "path-table"
     what: ClassVar[str] = "arrivals are counted by the sequence of faces and events before them"
     costs: ClassVar[str] = "a key an interaction, and a place in a hash table an arrival"
 
@@ -36,8 +36,8 @@ class Paths(Effect):
         return "no detector has a path table"
 
     def possible(self, scene: Scene) -> bool:
-        """Not without such a detector: there is nothing to count."""
-        return False
+        """Not without a detector: forced on, keys are carried and recorded, and no table made."""
+        return any(e.detector is not None for e in scene.element)
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the key, what is recorded of it, and the table."""
@@ -60,7 +60,7 @@ class Paths(Effect):
                 EndingField("ray_lo", "word", "p->ray_lo", "number of the launched ray, low half"),
                 EndingField("ray_hi", "word", "p->ray_hi", "the same, high half"),
             ),
-            templates=(("survive", "effects/paths"), ("tally", "effects/path_counts")),
+            templates=(("survive", "effects/path_table"), ("tally", "effects/path_counts")),
             hooks=(
                 (
                     "arrival",
