@@ -467,7 +467,11 @@ MUTANTS = (
         {"keyed.weight": "(0.5 * w)"},
         trails.plate,
     ),
-    Mutant("the last ray of a path is its example", {"keyed.first": "seen == 0 || seen > early"}, trails.plate),
+    Mutant(
+        "the last ray of a path is its example",
+        {"keyed.first": "seen == 0 || seen > early"},
+        trails.plate,
+    ),
     Mutant("a path forgets what it met", {"path_table.trail": "trail"}, trails.plate),
 )  # fmt: skip
 
