@@ -29,7 +29,7 @@ ENTRY: Final = 8
 """Integers of an entry: key, cell (4), 2^62 less the first ray's number, what is known, unused."""
 FIRST_CAPACITY: Final = 1 << 13
 """Entries of a batch's table at first; a power of two."""
-_GROWS: Final = 4
+_GROWS: Final = 8
 _MOST_BYTES: Final = 2 << 30
 _FROM: Final = 1 << 62
 

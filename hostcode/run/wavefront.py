@@ -306,13 +306,15 @@ class Engine:
         made = self.statistics.interactions
         while True:
             found = self._drain(first_batch, slots)
-            if self._keyed is None or not self._keyed.too_small():
+            if found is not None:
                 return found
+            assert self._keyed is not None
             self._keyed.grow()
             self._bind()
             self.statistics.interactions = made
 
-    def _drain(self, first_batch: int, slots: int) -> _Read:
+    def _drain(self, first_batch: int, slots: int) -> _Read | None:
+        """Trace the batches; None as soon as there is no room for the cells by key."""
         self._write_launch(first_batch)
         if self._keyed is not None:
             self._keyed.clear(slots)
@@ -331,11 +333,13 @@ class Engine:
                 unfinished, blocked, interactions, passed = self._launch()
                 took = time.perf_counter() - began
                 self.statistics.interactions += interactions
+                if self._keyed is not None and self._keyed.too_small():
+                    return None
                 events += interactions + passed
                 if events > _EVENTS_BEFORE_FLUSH:
                     total = self._read(slots, total)
                     self._clear(self._tally, slots)
-                    if self._keyed is not None and not self._keyed.too_small():
+                    if self._keyed is not None:
                         keyed = self._keyed.read(slots, keyed)
                         self._keyed.clear(slots)
                     events = 0
