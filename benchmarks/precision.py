@@ -27,7 +27,10 @@ from hostcode.device.device import choose, open_device
 from hostcode.errors import DeviceError
 from hostcode.program.precision import PRECISIONS
 from hostcode.run.usual import usual_plan
+from photizon_cl.checks.precision import fitting_mode
+from photizon_cl.errors import ArgumentError
 from photizon_cl.result.comparison import compared
+from photizon_cl.scene.files import load
 from photizon_cl.scene.presets import preset_names
 from photizon_cl.stability.report import stability_report
 
@@ -92,21 +95,35 @@ def main_quantity(result: pz.Result) -> str:
     return next((n for n in found if result.quantity(n).value > _LEAST * emitted), found[0])
 
 
+def refusal(preset: str, mode: str) -> str:
+    """Return why a mode cannot carry a preset, empty where it can."""
+    try:
+        fitting_mode(mode, load(preset))
+    except ArgumentError as error:
+        return str(error)
+    return ""
+
+
+def carrying(preset: str) -> list[str]:
+    """Return the modes that can carry a preset."""
+    return [mode for mode in PRECISIONS if not refusal(preset, mode)]
+
+
 def measured(device: OpenDevice, preset: str, batches: int, rounds: int) -> list[Row]:
-    """Measure a preset in every mode."""
+    """Measure a preset in every mode that can carry it."""
     runners = {}
-    for mode in PRECISIONS:
+    for mode in carrying(preset):
         compiled = compiled_preset(preset, precision=mode)
         plan = usual_plan(device.record, compiled.tables)
         runners[mode] = Runner(device, compiled, plan)
         runners[mode].warm_up(_SECONDS)
-    rates: dict[str, list[float]] = {mode: [] for mode in PRECISIONS}
+    rates: dict[str, list[float]] = {mode: [] for mode in runners}
     for _ in range(rounds):  # in turn, so that a slow moment meets all
         for mode, runner in runners.items():
             rates[mode].append(runner.time().rate)
     results = {
         mode: pz.trace(preset, batches=batches, precision=mode, device=device.record)
-        for mode in PRECISIONS
+        for mode in runners
     }
     base = results["fp64"]
     name = main_quantity(base)
@@ -211,6 +228,13 @@ def main(arguments: list[str] | None = None) -> int:
         rows += measured(device, preset, asked.batches, asked.rounds)
     report.heading(f"precision, {asked.rounds} rounds, bias of {asked.batches} batches")
     report.say(*lines(rows))
+    refused = {
+        f"{preset} in {mode}": why
+        for preset in asked.presets or preset_names()
+        for mode in PRECISIONS
+        if (why := refusal(preset, mode))
+    }
+    report.say(*(f"refused, {what}: {why}" for what, why in refused.items()))
     hard: list[list[str]] = []
     if not asked.no_hard_cases:
         hard = hard_cases(device)
@@ -218,7 +242,12 @@ def main(arguments: list[str] | None = None) -> int:
         head = ["precision", "u", "cases", "asked", "lost", "wrong", "worst ulps", "families whole"]
         report.say(*table(head, hard, left=1))
     if asked.write:
-        data = {"conditions": conditions, "rows": [asdict(r) for r in rows], "hard_cases": hard}
+        data = {
+            "conditions": conditions,
+            "rows": [asdict(r) for r in rows],
+            "refused": refused,
+            "hard_cases": hard,
+        }
         for path in report.write(RESULTS, "precision", data):
             print(f"wrote {path.name}")
     return 0
