@@ -146,6 +146,7 @@ def program_source(spec: ProgramSpec) -> str:
         "pairs": spec.pairs,
         "passes": spec.passes,
         "orders": spec.orders,
+        "densities": spec.densities,
         "hooks": _hooks(spec),
         "interleaved": spec.interleaved,
         "private_tallies": spec.private_tallies,

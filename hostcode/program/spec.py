@@ -114,6 +114,8 @@ class SurfaceKind:
         Whether meeting it is an interaction; else a ray passes as if nothing were there.
     refracts : bool
         Whether it is the border of two media.
+    scatters : bool
+        Whether a ray goes on in a direction drawn from a density that its file has.
     libraries : tuple of str
         Kernel templates that its file needs before it, rendered once a program.
     """
@@ -125,6 +127,7 @@ class SurfaceKind:
     splits: bool = False
     counts: bool = True
     refracts: bool = False
+    scatters: bool = False
     libraries: tuple[str, ...] = ()
 
 
@@ -219,6 +222,8 @@ class EffectParts:
         Whether each ray is searched for by itself, so that packets have one lane.
     orders : bool
         Whether a second search puts faces in one place in order (kernels/lib/nearest.mako).
+    densities : bool
+        Whether it asks surfaces for the density of what they scatter.
     parameters : tuple of (str, int)
         Counts that the templates ask for.
     """
@@ -236,6 +241,7 @@ class EffectParts:
     pairs: bool = False
     one_by_one: bool = False
     orders: bool = False
+    densities: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
 
     def for_tally(self) -> EffectParts:
@@ -381,6 +387,11 @@ class ProgramSpec:
     def orders(self) -> bool:
         """Whether a second search puts faces in one place in order."""
         return any(part.orders for part in self.parts)
+
+    @property
+    def densities(self) -> bool:
+        """Whether surfaces are asked for the density of what they scatter."""
+        return any(part.densities for part in self.parts)
 
     @property
     def recorded(self) -> frozenset[str]:

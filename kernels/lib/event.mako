@@ -1,4 +1,4 @@
-## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes
+## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes, densities
 // What a surface is told of a ray that meets it, and what it answers.
 //
 // Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
@@ -45,6 +45,10 @@ typedef struct {
 % if passes:
     mask passes;
 % endif
+% if densities:
+    mask drawn, drawn_second;   // lanes in which a ray has a direction that was drawn, and the second one has
+    weight drawn_w;             // its weight, whichever direction it takes
+% endif
 } outcome_t;
 
 FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
@@ -59,6 +63,11 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
 % endif
 % if passes:
     o.passes = NO_LANES;
+% endif
+% if densities:
+    o.drawn = NO_LANES;
+    o.drawn_second = NO_LANES;
+    o.drawn_w = weight_splat(0.0);
 % endif
     return o;
 }
@@ -82,5 +91,16 @@ FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, weight w) {
     o->second_w = SEL_WEIGHT(m, w, o->second_w);
 % endif
     o->splits |= m;
+}
+% endif
+% if densities:
+
+// A ray's direction was drawn from the density that the surface's density_<kind> gives, and its weight would
+// be w in any other direction too.  second: lanes of m in which that is the second ray.  A lane of m in
+// which the draw led nowhere (no ray goes on, with a chance that the density leaves) belongs to m.
+FN void scattered(outcome_t *o, mask m, mask second, weight w) {
+    o->drawn |= m;
+    o->drawn_second |= m & second;
+    o->drawn_w = SEL_WEIGHT(m, w, o->drawn_w);
 }
 % endif

@@ -1,0 +1,195 @@
+## surfaces (kinds in use: .kind, .number, .single, .scatters), pairs
+// Importance sampling: scattered rays are sent towards targets more often than their surfaces send them.
+//
+// One-sample multiple importance sampling (E. Veach, thesis, Stanford 1997, 9.2.4): with the chance a the
+// direction is drawn from the targets' density p_t = sum q_k p_k, sum q_k = 1, else the one that the surface
+// drew, from p_s, stays.  Its weight is multiplied by p_s / ((1 - a) p_s + a p_t), which is never more than
+// 1 / (1 - a), and has the mean 1 over directions.  A target that cannot be seen from a place (it lies below
+// the surface's horizon, or the place is in its plane, on its side that does not count or inside its ball)
+// has no part there: what is chosen from what was known before the draw leaves every expectation as it is.
+// So has a ray that could come out heavier than the heaviest that was launched: then nothing is done.
+//
+// A flat target is a point of it, uniform by area: p = r^2 / (A |cos|).  Any other is a ball around it, and
+// the directions of the cone that it fills, uniform by solid angle: p = 1 / (2 pi (1 - cos)).
+//
+// reads: outcome (the drawn ray), densities of surfaces, targets, draw DECIDE_TOWARD.
+// writes: outcome (direction and weight of the drawn ray); row importance.balance, what its weight lost.
+<%
+    scattering = [s for s in surfaces if s.scatters]
+    places = ("X Y Z UX UY UZ VX VY VZ NX NY NZ A B PER_AREA REACH SIDE SHAPE SHARE FIRST").split()
+    stride = counts["target_numbers"]
+    assert len(places) == stride
+%>
+#define DECIDE_TOWARD 5u
+% for n, name in enumerate(places):
+#define TARGET_${name} ${n}
+% endfor
+#define TARGET_RING 1.0
+#define TARGET_BALL 2.0
+
+// A target from a place: the way to its centre; of a flat one how high that is along its normal, of a
+// ball 1 - cos of the cone's half-angle; the lanes from which it can be seen at all.
+typedef struct { real x, y, z, height; mask seen; } sight_t;
+
+// up: the normal on the side on which the ray goes on.
+FN sight_t see_target(__global const double *t, const contact_t *c, real upx, real upy, real upz) {
+    sight_t s;
+    s.x = R(t[TARGET_X]) - c->x; s.y = R(t[TARGET_Y]) - c->y; s.z = R(t[TARGET_Z]) - c->z;
+    const real reach = splat(t[TARGET_REACH]);
+    s.seen = GT(dot3(s.x, s.y, s.z, upx, upy, upz), -reach);
+    if (t[TARGET_SHAPE] == TARGET_BALL) {
+        // sin^2 = R^2 / D^2, and 1 - cos = sin^2 / (1 + cos): no difference of nearly equal numbers
+        const real d = sqrt(dot3(s.x, s.y, s.z, s.x, s.y, s.z));
+        const real sine = reach / d, cosine = sqrt(fmax((R(1.0) - sine) * (R(1.0) + sine), splat(0.0)));
+        s.height = sine * sine / (R(1.0) + cosine);
+        s.seen &= LT(sine, splat(1.0 - 0x1p12 * UNIT_ROUNDOFF));
+    } else {
+        s.height = dot3(s.x, s.y, s.z, splat(t[TARGET_NX]), splat(t[TARGET_NY]), splat(t[TARGET_NZ]));
+        const real about = fabs(s.x) + fabs(s.y) + fabs(s.z) + reach;
+        s.seen &= GT(fabs(s.height), about * R(0x1p12 * UNIT_ROUNDOFF));
+        // the side that counts is where the normal points to: from there the centre is behind it
+        s.seen &= LE(R(t[TARGET_SIDE]) * s.height, splat(0.0));
+    }
+    return s;
+}
+
+// A direction towards a target from u and v in [0, 1], and its density per steradian.
+FN real draw_target(__global const double *t, const sight_t *s, real u, real v, real *x, real *y, real *z) {
+    real density, si, co;
+    if (t[TARGET_SHAPE] == TARGET_BALL) {
+        sincos_turns(v, &si, &co);
+        const real d = R(1.0) / sqrt(dot3(s->x, s->y, s->z, s->x, s->y, s->z));
+        const real h = ${point("importance.cone", "u")} * s->height, sine = sqrt(h * (R(2.0) - h));
+        about_normal(s->x * d, s->y * d, s->z * d, sine * co, sine * si, R(1.0) - h, x, y, z);
+        density = R(0x1.45f306dc9c883p-3) / s->height;
+    } else {
+        const real a = splat(t[TARGET_A]), b = splat(t[TARGET_B]);
+        real p, q;
+        if (t[TARGET_SHAPE] == TARGET_RING) {
+            sincos_turns(v, &si, &co);
+            const real r = sqrt(fma(u, (a - b) * (a + b), b * b));
+            p = r * co; q = r * si;
+        } else {
+            p = fma(splat(2.0), u, splat(-1.0)) * a;
+            q = fma(splat(2.0), v, splat(-1.0)) * b;
+        }
+        *x = fma(p, splat(t[TARGET_UX]), fma(q, splat(t[TARGET_VX]), s->x));
+        *y = fma(p, splat(t[TARGET_UY]), fma(q, splat(t[TARGET_VY]), s->y));
+        *z = fma(p, splat(t[TARGET_UZ]), fma(q, splat(t[TARGET_VZ]), s->z));
+        const real rr = dot3(*x, *y, *z, *x, *y, *z), r = sqrt(rr), k = R(1.0) / r;
+        *x *= k; *y *= k; *z *= k;
+        density = ${point("importance.by_area", "rr * r * R(t[TARGET_PER_AREA]) / fabs(s->height)")};
+    }
+    renormalise(x, y, z);
+    return density;
+}
+
+// The density with which that gives a direction: 0 where it leads past the target.
+FN real density_target(__global const double *t, const sight_t *s, real x, real y, real z) {
+    if (t[TARGET_SHAPE] == TARGET_BALL) {
+        const real b = dot3(s->x, s->y, s->z, x, y, z);
+        const real lx = fma(-b, x, s->x), ly = fma(-b, y, s->y), lz = fma(-b, z, s->z);
+        const mask meets = GT(b, splat(0.0)) & LE(dot3(lx, ly, lz, lx, ly, lz), splat(t[TARGET_A] * t[TARGET_A]));
+        return SEL(meets, R(0x1.45f306dc9c883p-3) / s->height, splat(0.0));
+    }
+    const real along = dot3(x, y, z, splat(t[TARGET_NX]), splat(t[TARGET_NY]), splat(t[TARGET_NZ]));
+    const real r = s->height / along;
+    const real p = fma(r, dot3(x, y, z, splat(t[TARGET_UX]), splat(t[TARGET_UY]), splat(t[TARGET_UZ])),
+                       -dot3(s->x, s->y, s->z, splat(t[TARGET_UX]), splat(t[TARGET_UY]), splat(t[TARGET_UZ])));
+    const real q = fma(r, dot3(x, y, z, splat(t[TARGET_VX]), splat(t[TARGET_VY]), splat(t[TARGET_VZ])),
+                       -dot3(s->x, s->y, s->z, splat(t[TARGET_VX]), splat(t[TARGET_VY]), splat(t[TARGET_VZ])));
+    mask meets = GT(r, splat(0.0));
+    if (t[TARGET_SHAPE] == TARGET_RING) {
+        const real pp = fma(p, p, q * q);
+        meets &= LE(pp, splat(t[TARGET_A] * t[TARGET_A])) & GE(pp, splat(t[TARGET_B] * t[TARGET_B]));
+    } else {
+        meets &= LE(fabs(p), splat(t[TARGET_A])) & LE(fabs(q), splat(t[TARGET_B]));
+    }
+    return SEL(meets, r * r * R(t[TARGET_PER_AREA]) / fabs(along), splat(0.0));
+}
+
+// The density with which surfaces send a ray into a direction.
+FN real density_scattered(const launch_t *launch, const scene_t *scene, const packet_t *p, const hit_t *h,
+                          const contact_t *c, mask m, lint row, real x, real y, real z) {
+    real density = splat(0.0);
+% for surface in scattering:
+    {
+        const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}};
+        const encounter_t event = {m${f" & IEQ(SURFACE_OF(h->code), lsplat({surface.number}L))" if len(surfaces) > 1 else ""}, p, c, launch->seed};
+        if (ANY(event.m)) density = SEL(event.m, density_${surface.kind}(&event, &material, x, y, z), density);
+    }
+% endfor
+    return density;
+}
+
+FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t *p, const hit_t *h,
+                    const contact_t *c, ledger_t *ledger, lint row, outcome_t *outcome) {
+    // as heavy as the heaviest launched ray at most, which weighs 1
+    const weight lightest = weight_splat(${point("importance.ceiling", "1.0")} * (1.0 - launch->toward_fraction));
+    mask m = outcome->drawn & WEIGHT_GT(outcome->drawn_w, weight_splat(0.0)) & WEIGHT_LE(outcome->drawn_w, lightest);
+    if (!ANY(m)) return;
+% if pairs:
+    const mask second = outcome->drawn_second;
+    const real up = SEL((second & c->came_plus) | (~second & outcome->went_plus), splat(1.0), splat(-1.0));
+    real x = SEL(second, outcome->second_dx, outcome->dx), y = SEL(second, outcome->second_dy, outcome->dy);
+    real z = SEL(second, outcome->second_dz, outcome->dz);
+    const weight w = SEL_WEIGHT(second, SEL_WEIGHT(outcome->splits, outcome->second_w, weight_splat(0.0)), outcome->w);
+% else:
+    const real up = SEL(outcome->went_plus, splat(1.0), splat(-1.0));
+    real x = outcome->dx, y = outcome->dy, z = outcome->dz;
+    const weight w = outcome->w;
+% endif
+    const real upx = up * c->nx, upy = up * c->ny, upz = up * c->nz;
+    real u, v;
+    draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_TOWARD, &u, &v);
+
+    // the target that is drawn, if any: each has its own part of [0, a), and u within it is a new number
+    __global const double *targets = scene->geometry + launch->targets;
+    real aimed = splat(0.0), density = splat(0.0);
+    lint drawn = lsplat(-1L);
+    for (long k = 0; k < (long)launch->n_targets; k++) {
+        __global const double *t = targets + k * ${stride};
+        const sight_t s = see_target(t, c, upx, upy, upz);
+        aimed += SEL(s.seen, splat(t[TARGET_SHARE]), splat(0.0));
+        const mask mine = m & s.seen & GE(u, splat(t[TARGET_FIRST])) & LT(u, splat(t[TARGET_FIRST] + t[TARGET_SHARE]));
+        if (ANY(mine)) {
+            real tx, ty, tz;
+            const real again = clamp((u - R(t[TARGET_FIRST])) / R(t[TARGET_SHARE]), splat(0.0), splat(1.0));
+            const real own = draw_target(t, &s, again, v, &tx, &ty, &tz);
+            density = SEL(mine, R(t[TARGET_SHARE]) * own, density);
+            x = SEL(mine, tx, x); y = SEL(mine, ty, y); z = SEL(mine, tz, z);
+            drawn = SELI(mine, lsplat(k), drawn);
+        }
+    }
+    m &= GT(aimed, splat(0.0));
+    if (!ANY(m)) return;
+    for (long k = 0; k < (long)launch->n_targets; k++) {
+        // what was drawn at a target's edge counts as met, wherever rounding put it
+        const mask other = m & INE(drawn, lsplat(k));
+        if (!ANY(other)) continue;
+        __global const double *t = targets + k * ${stride};
+        const sight_t s = see_target(t, c, upx, upy, upz);
+        density += SEL(other & s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, x, y, z), splat(0.0));
+    }
+    const real by_surface = density_scattered(launch, scene, p, h, c, m, row, x, y, z);
+    const real both = fma(R(1.0) - aimed, by_surface, ${point("importance.mixture", "density")});
+    // a direction that the surface never takes has no weight: the ray ends
+    const real ratio = SEL(GT(by_surface, splat(0.0)), by_surface / both, splat(0.0));
+    // where the surface's own draw led nowhere, nothing goes on unless another direction was drawn
+    const mask goes = WEIGHT_GT(w, weight_splat(0.0)) | IGE(drawn, lsplat(0L));
+    const weight after = SEL_WEIGHT(goes, outcome->drawn_w * TO_WEIGHT(${point("importance.ratio", "ratio")}), weight_splat(0.0));
+    const image_t lost = image_difference(image_of(w), ${point("importance.booked", "image_of(after)")});
+    book_row(launch, ledger, ROW_IMPORTANCE_BALANCE, m, lost);
+% if pairs:
+    const mask first = m & ~second, other = m & second;
+    outcome->second_dx = SEL(other, x, outcome->second_dx); outcome->second_dy = SEL(other, y, outcome->second_dy);
+    outcome->second_dz = SEL(other, z, outcome->second_dz);
+    outcome->second_w = SEL_WEIGHT(other, after, outcome->second_w);
+    outcome->splits = (outcome->splits & ~other) | (other & WEIGHT_GT(after, weight_splat(0.0)));
+% else:
+    const mask first = m;
+% endif
+    outcome->dx = SEL(first, x, outcome->dx); outcome->dy = SEL(first, y, outcome->dy);
+    outcome->dz = SEL(first, z, outcome->dz);
+    outcome->w = SEL_WEIGHT(first, after, outcome->w);
+}
