@@ -405,8 +405,8 @@ class ProgramSpec:
 
     @property
     def ray_fields(self) -> tuple[RayField, ...]:
-        """What a ray carries."""
-        return BASE_RAY + tuple(field for part in self.parts for field in part.ray)
+        """What a ray carries; what several effects bring, once."""
+        return BASE_RAY + tuple(dict.fromkeys(field for part in self.parts for field in part.ray))
 
     @property
     def hit_fields(self) -> tuple[HitField, ...]:

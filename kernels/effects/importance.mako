@@ -7,7 +7,8 @@
 // 1 / (1 - a), and has the mean 1 over directions.  A target that cannot be seen from a place (it lies below
 // the surface's horizon, or the place is in its plane, on its side that does not count or inside its ball)
 // has no part there: what is chosen from what was known before the draw leaves every expectation as it is.
-// So has a ray that could come out heavier than the heaviest that was launched: then nothing is done.
+// Neither does a smaller a where the ray could come out more than twice as heavy as it was launched: there a
+// is what just leaves it that heavy.  So no weight grows without end, however often a ray scatters.
 //
 // A flat target is a point of it, uniform by area: p = r^2 / (A |cos|).  Any other is a ball around it, and
 // the directions of the cone that it fills, uniform by solid angle: p = 1 / (2 pi (1 - cos)).
@@ -16,11 +17,12 @@
 // writes: outcome (direction and weight of the drawn ray); row importance.balance, what its weight lost.
 <%
     scattering = [s for s in surfaces if s.scatters]
-    places = ("X Y Z UX UY UZ VX VY VZ NX NY NZ A B PER_AREA REACH SIDE SHAPE SHARE FIRST").split()
+    places = ("X Y Z UX UY UZ VX VY VZ NX NY NZ A B PER_AREA REACH SIDE SHAPE SHARE FIRST END").split()
     stride = counts["target_numbers"]
     assert len(places) == stride
 %>
 #define DECIDE_TOWARD 5u
+#define HEAVIEST ${point("importance.heaviest", "2.0")}
 % for n, name in enumerate(places):
 #define TARGET_${name} ${n}
 % endfor
@@ -124,9 +126,14 @@ FN real density_scattered(const launch_t *launch, const scene_t *scene, const pa
 
 FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t *p, const hit_t *h,
                     const contact_t *c, ledger_t *ledger, lint row, outcome_t *outcome) {
-    // as heavy as the heaviest launched ray at most, which weighs 1
-    const weight lightest = weight_splat(${point("importance.ceiling", "1.0")} * (1.0 - launch->toward_fraction));
-    mask m = outcome->drawn & WEIGHT_GT(outcome->drawn_w, weight_splat(0.0)) & WEIGHT_LE(outcome->drawn_w, lightest);
+% if "launched" in ray_real:
+    const weight heaviest = p->launched * WT(HEAVIEST);
+% else:
+    const weight heaviest = weight_splat(HEAVIEST);
+% endif
+    // the chance a, at most as large as weights allow
+    const real a = fmin(splat(launch->toward_fraction), TO_REAL(weight_splat(1.0) - outcome->drawn_w / heaviest));
+    mask m = outcome->drawn & WEIGHT_GT(outcome->drawn_w, weight_splat(0.0)) & GT(a, splat(0.0));
     if (!ANY(m)) return;
 % if pairs:
     const mask second = outcome->drawn_second;
@@ -143,7 +150,9 @@ FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t
     real u, v;
     draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_TOWARD, &u, &v);
 
-    // the target that is drawn, if any: each has its own part of [0, a), and u within it is a new number
+    // the target that is drawn, if any: each has its own part of [0, 1), and what of u lies below a, over a,
+    // is a new number there, and again within the part
+    const real choice = u / a;
     __global const double *targets = scene->geometry + launch->targets;
     real aimed = splat(0.0), density = splat(0.0);
     lint drawn = lsplat(-1L);
@@ -151,10 +160,10 @@ FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t
         __global const double *t = targets + k * ${stride};
         const sight_t s = see_target(t, c, upx, upy, upz);
         aimed += SEL(s.seen, splat(t[TARGET_SHARE]), splat(0.0));
-        const mask mine = m & s.seen & GE(u, splat(t[TARGET_FIRST])) & LT(u, splat(t[TARGET_FIRST] + t[TARGET_SHARE]));
+        const mask mine = m & s.seen & GE(choice, splat(t[TARGET_FIRST])) & LT(choice, splat(t[TARGET_END]));
         if (ANY(mine)) {
             real tx, ty, tz;
-            const real again = clamp((u - R(t[TARGET_FIRST])) / R(t[TARGET_SHARE]), splat(0.0), splat(1.0));
+            const real again = clamp((choice - R(t[TARGET_FIRST])) / R(t[TARGET_SHARE]), splat(0.0), splat(1.0));
             const real own = draw_target(t, &s, again, v, &tx, &ty, &tz);
             density = SEL(mine, R(t[TARGET_SHARE]) * own, density);
             x = SEL(mine, tx, x); y = SEL(mine, ty, y); z = SEL(mine, tz, z);
@@ -172,7 +181,7 @@ FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t
         density += SEL(other & s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, x, y, z), splat(0.0));
     }
     const real by_surface = density_scattered(launch, scene, p, h, c, m, row, x, y, z);
-    const real both = fma(R(1.0) - aimed, by_surface, ${point("importance.mixture", "density")});
+    const real both = fma(a, ${point("importance.mixture", "density")}, fma(-a, aimed, splat(1.0)) * by_surface);
     // a direction that the surface never takes has no weight: the ray ends
     const real ratio = SEL(GT(by_surface, splat(0.0)), by_surface / both, splat(0.0));
     // where the surface's own draw led nowhere, nothing goes on unless another direction was drawn
@@ -192,4 +201,7 @@ FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t
     outcome->dx = SEL(first, x, outcome->dx); outcome->dy = SEL(first, y, outcome->dy);
     outcome->dz = SEL(first, z, outcome->dz);
     outcome->w = SEL_WEIGHT(first, after, outcome->w);
+% if "ratio" in ray_real:
+    outcome->ratio = SEL_WEIGHT(m & WEIGHT_GT(after, weight_splat(0.0)), TO_WEIGHT(ratio), outcome->ratio);
+% endif
 }

@@ -48,6 +48,9 @@ typedef struct {
 % if densities:
     mask drawn, drawn_second;   // lanes in which a ray has a direction that was drawn, and the second one has
     weight drawn_w;             // its weight, whichever direction it takes
+% if "ratio" in ray_real:
+    weight ratio;               // by how much that was multiplied for the direction
+% endif
 % endif
 } outcome_t;
 
@@ -68,6 +71,9 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
     o.drawn = NO_LANES;
     o.drawn_second = NO_LANES;
     o.drawn_w = weight_splat(0.0);
+% if "ratio" in ray_real:
+    o.ratio = weight_splat(1.0);
+% endif
 % endif
     return o;
 }

@@ -1,4 +1,4 @@
-## surfaces (kinds in use: .kind, .number, .single, .absorbs, .splits), effects, recorded, splits, passes
+## surfaces (kinds in use: .kind, .number, .single, .absorbs, .splits), effects, recorded, splits, pairs, passes
 // What happens to each lane: it escapes, or its surface takes, sends on or splits its weight.
 //
 // reads: packet, hit, contact.  writes: packet (in place), the ledger; `end` says which lanes arrive at a
@@ -114,6 +114,12 @@ ${statement}
     child->left = face | (INT_MASK(c->came_plus) & 2L);
     child->path = child_path(p->path, 1u);
     p->path = SELI(outcome.splits, child_path(p->path, 0u), p->path);
+% if "ratio" in ray_real:
+    child->ratio *= SEL_WEIGHT(outcome.drawn_second, outcome.ratio, weight_splat(1.0));
+% endif
+% endif
+% if "ratio" in ray_real:
+    p->ratio *= ${"SEL_WEIGHT(outcome.drawn_second, weight_splat(1.0), outcome.ratio)" if pairs else "outcome.ratio"};
 % endif
     p->ox = c->x; p->oy = c->y; p->oz = c->z;
     p->dx = outcome.dx; p->dy = outcome.dy; p->dz = outcome.dz;

@@ -75,11 +75,11 @@ class Importance(Described):
         return [*problems, Problem("weights", f"{len(weights)} of them", expected)]
 
     @property
-    def share_of(self) -> dict[str, float]:
-        """Part of all scattered rays that is sent towards each element, by its name."""
+    def shares(self) -> dict[str, float]:
+        """Part of what is sent towards targets that each element gets, by its name; sums to 1."""
         weights = self.weights or (1.0,) * len(self.toward)
-        unit = self.fraction / sum(weights)
-        return {name: unit * weight for name, weight in zip(self.toward, weights, strict=True)}
+        total = sum(weights)
+        return {name: weight / total for name, weight in zip(self.toward, weights, strict=True)}
 
 
 def targets_of(known: Known | None, elements: Sequence[Known | None]) -> list[Problem]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from hostcode.program.fields import LAUNCHED, RayField
 from hostcode.program.spec import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.compile.layout import LedgerRow
@@ -30,10 +31,17 @@ _TARGET = Row(
     ("reach", "m", "radius of a ball around the centre that holds it"),
     ("side", "", "1 or −1 where only that side counts, else 0"),
     ("shape", "", "0 rectangle, 1 disk or annulus, 2 ball"),
-    ("share", "", "part of the scattered rays that is sent there"),
+    ("share", "", "part of what is sent towards targets"),
     ("first", "", "sum of the shares before it"),
+    ("end", "", "sum of the shares up to it, 1 of the last one"),
 )
 """What the kernel reads of a target."""
+
+_RATIO = RayField(
+    "ratio", "weight", "weight_splat(1.0)", "weight over what it would be without importance"
+)
+"""What a ray carries where roulette is played: its floor is one of the weight without importance, or
+it would end just those rays that were sent where they matter."""
 
 
 class Importance(Effect):
@@ -73,7 +81,9 @@ class Importance(Effect):
     def parts(self, draft: Draft) -> EffectParts:
         """Return the draw."""
         call = "send_toward(launch, scene, p, h, c, ledger, row, &outcome);"
+        floor = draft.scene.roulette_floor(draft.settings)
         return EffectParts(
+            ray=(LAUNCHED,) * draft.weights_differ + (_RATIO,) * (floor > 0.0),
             templates=(("survive", "effects/importance"),),
             hooks=(("surface", call),),
             launch=(
@@ -91,7 +101,8 @@ class Importance(Effect):
         assert asked is not None
         assert draft.geometry is not None
         rows, first = [], 0.0
-        for name, share in asked.share_of.items():
+        for n, (name, share) in enumerate(asked.shares.items(), 1):
+            end = 1.0 if n == len(asked.toward) else first + share
             target = target_of(draft.scene.element[name])
             x, y, z = moved(target.centre, draft.shift)
             (ux, uy, uz), (vx, vy, vz), (nx, ny, nz) = target.frame
@@ -100,10 +111,10 @@ class Importance(Effect):
                 "vz": vz, "nx": nx, "ny": ny, "nz": nz, "a": target.a, "b": target.b,
                 "per_area": 1.0 / target.area if target.area else 0.0, "reach": target.reach,
                 "side": float(target.side), "shape": float(target.shape), "share": share,
-                "first": first,
+                "first": first, "end": end,
             }  # fmt: skip
             rows.append(_TARGET.pack(values))
-            first += share
+            first = end
         draft.launch["toward_fraction"] = asked.fraction
         draft.launch["targets"] = len(draft.geometry)
         draft.launch["n_targets"] = len(rows)
