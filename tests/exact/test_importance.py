@@ -1,0 +1,279 @@
+"""Importance sampling: what targets draw, exact ledgers, bounded weights, and what it leaves alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from oracles.engine import PLAN, compiled, open_device, scene_of, trace
+from oracles.kernels import run_text
+from oracles.scenes import BLACK, beam, cube, matt, wall
+
+import photizon_cl as pz
+from hostcode.program.source import program_source
+from photizon_cl.geometry.targets import BALL, RING, SQUARE
+
+LAMP = {"kind": "isotropic-point", "flux": 1.0, "position": [0.1, -0.2, 0.3]}
+
+
+def room(toward=("target",), surface=None, **more):
+    """A matt room with a small black target on its floor, that scattered rays are sent towards."""
+    target = {**wall((0.2, 0.1, -0.999), "+z", 0.05), **BLACK, "detector": {}, "name": "target"}
+    walls = cube(surface or matt(0.6))
+    importance = {"importance": {"toward": list(toward), **more}} if toward else {}
+    return scene_of([LAMP], [*walls, target], **importance)
+
+
+# -- what targets draw -----------------------------------------------------------------------------
+
+_BODY = """
+__kernel void test(__global const double *t, __global const double *numbers, __global double *out) {
+    const size_t i = get_global_id(0);
+    __global const double *n = numbers + 8 * i;
+    packet_t p = {0};
+    contact_t c = no_contact(&p, splat(0.0));
+    c.x = n[0]; c.y = n[1]; c.z = n[2];
+    const sight_t s = see_target(t, &c, n[3], n[4], n[5]);
+    real x, y, z;
+    const real own = draw_target(t, &s, n[6], n[7], &x, &y, &z);
+    const real again = density_target(t, &s, x, y, z);
+    const double found[7] = {(double)-s.seen, x, y, z, own, again, density_target(t, &s, -x, -y, -z)};
+    for (int k = 0; k < 7; k++) out[7 * i + k] = found[k];
+}
+"""
+
+
+@cache
+def spec():
+    return compiled(room()).tables.spec
+
+
+def row(shape, centre, frame, a, b, side=0):
+    area = {SQUARE: 4.0 * a * b, RING: math.pi * (a - b) * (a + b), BALL: 0.0}[shape]
+    reach = math.hypot(a, b) if shape == SQUARE else a
+    return np.array([
+        *centre, *np.ravel(frame), a, b, 1.0 / area if area else 0.0, reach, side, shape, 1.0, 0.0, 1.0,
+    ])  # fmt: skip
+
+
+def drawn(target, place, up=(0.0, 0.0, 1.0), n=64):
+    """Draw n × n directions towards a target, evenly in u and v, and their densities."""
+    at = (np.arange(n) + 0.5) / n
+    u, v = (grid.ravel() for grid in np.meshgrid(at, at))
+    numbers = np.column_stack([np.tile([*place, *up], (n * n, 1)), u, v])
+    out = np.zeros((n * n, 7))
+    _, _, found = run_text(_BODY, [target, numbers, out], n * n, spec=spec(), device=open_device())
+    seen, way, own, again, behind = (
+        found[:, 0], found[:, 1:4], found[:, 4], found[:, 5], found[:, 6]
+    )  # fmt: skip
+    return seen != 0.0, way, own, again, behind
+
+
+FLAT = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]])
+TURNED = np.array([[0.0, 0.6, 0.8], [1, 0, 0], [0, 0.8, -0.6]])
+CASES = {
+    "rectangle above": (SQUARE, 0.3, 0.5, 1.0, FLAT, 1.0),
+    "turned rectangle": (SQUARE, 0.3, 0.5, 2.0, TURNED, 1.0),
+    "disk above": (RING, 0.5, 0.0, 1.0, FLAT, 1.0),
+    "ring above": (RING, 0.5, 0.3, 1.0, FLAT, 1.0),
+    "ball above": (BALL, 0.5, 0.0, 1.0, FLAT, 1.0),
+    "near rectangle": (SQUARE, 0.3, 0.5, 0.05, FLAT, 1.0),
+    "far rectangle": (SQUARE, 0.3, 0.5, 1.0, FLAT, 1e6),
+    "far ball": (BALL, 0.5, 0.0, 1.0, FLAT, 1e6),
+    "tiny rectangle": (SQUARE, 3e-7, 5e-7, 1.0, FLAT, 1.0),
+    "tiny ring": (RING, 5e-7, 3e-7, 1.0, FLAT, 1.0),
+    "tiny ball": (BALL, 5e-7, 0.0, 1.0, FLAT, 1.0),
+    "grazing rectangle": (SQUARE, 0.3, 0.5, 1.0, [[1.0, 0, 0], [0, 0, 1], [0, -1, 0]], 1.0),
+}
+
+
+def solid_angle(shape, a, b, centre, frame, n=2000):
+    """The solid angle by quadrature over the target, or of the ball's cone."""
+    if shape == BALL:
+        sine = a / np.linalg.norm(centre)
+        return 2.0 * math.pi * sine**2 / (1.0 + math.sqrt(1.0 - sine**2))
+    s = (np.arange(n) + 0.5) / n
+    if shape == SQUARE:
+        p, q = np.meshgrid((2 * s - 1) * a, (2 * s - 1) * b)
+        area = 4.0 * a * b
+    else:
+        r, turn = np.meshgrid(np.sqrt(b * b + s * (a * a - b * b)), 2.0 * math.pi * s)
+        p, q, area = r * np.cos(turn), r * np.sin(turn), math.pi * (a * a - b * b)
+    points = np.array(centre) + p[..., None] * frame[0] + q[..., None] * frame[1]
+    r = np.linalg.norm(points, axis=-1)
+    return float(np.mean(np.abs(points @ frame[2]) / r**3) * area)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_directions_meet_the_target_with_their_density(case):
+    shape, a, b, far, frame, times = CASES[case]
+    frame, a, b = np.array(frame), a * times, b * times
+    # a target turned edge-on stands a little aside, so that it is seen at all
+    centre = np.array([0.0, 0.02 if case.startswith("grazing") else 0.0, 1.0 * far * times])
+    scale = 1e-6 if case.startswith("far") else 1.0  # as small as before, and that far away
+    target = row(shape, centre, frame, a * scale, b * scale)
+    seen, way, own, again, behind = drawn(target, (0.0, 0.0, 0.0))
+    assert seen.all()
+    assert np.abs(np.linalg.norm(way, axis=1) - 1.0).max() < 4e-16 * 4
+    # the density that is drawn with is the one that is found for the direction, which is none behind
+    near = 1e-9 if times * far > 1e3 or a < 1e-3 else 1e-12
+    assert again == pytest.approx(own, rel=max(near, 1e-6 if case.startswith("far") else near))
+    assert not behind.any()
+    # over directions the density's reciprocal is the solid angle
+    wanted = solid_angle(shape, a * scale, b * scale, centre, frame)
+    assert np.mean(1.0 / own) == pytest.approx(wanted, rel=2e-3)
+
+
+def test_a_place_that_cannot_see_a_target_has_no_part_of_it():
+    ball, plate = row(BALL, (0, 0, 1), FLAT, 0.5, 0.0), row(SQUARE, (0, 0, 1), FLAT, 0.3, 0.3)
+    front, back = (row(SQUARE, (0, 0, 1), FLAT, 0.3, 0.3, side) for side in (1, -1))
+    up, down = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
+    for target, place, normal, sees in (
+        (ball, (0, 0, 0), up, True),
+        (ball, (0, 0, 0.7), up, False),  # inside
+        (ball, (0, 0, 0.5), up, False),  # on it
+        (ball, (0, 0, 1.0), up, False),  # in its middle
+        (ball, (0, 0, 0), down, False),  # below the horizon
+        (ball, (0, 0, 1.2), down, False),
+        (plate, (0, 0, 0), up, True),
+        (plate, (0, 0, 0), down, False),
+        (plate, (2.0, 0, 1), up, False),  # in its plane
+        (plate, (2.0, 0, 1 - 1e-14), up, False),
+        (front, (0, 0, 0), up, False),  # its normal points away
+        (front, (0, 0, 2), down, True),
+        (back, (0, 0, 0), up, True),
+        (back, (0, 0, 2), down, False),
+    ):
+        seen = drawn(target, place, normal, n=2)[0]
+        assert seen.all() if sees else not seen.any(), (place, normal)
+
+
+# -- what it does to a scene -----------------------------------------------------------------------
+
+
+def balance(found):
+    return found.amount(found.compiled.layout.row("importance.balance"))
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [matt(0.6), {"surface": {"kind": "mixed", "specular": 0.3, "diffuse": 0.5}}],
+    ids=["matt", "mixed"],
+)
+@pytest.mark.parametrize("splitting", [True, False], ids=["both", "one"])
+def test_every_batch_closes(surface, splitting):
+    run = {"generation_cap": 6, "roulette_floor": 0.05, "splitting": splitting}
+    found = trace(room(surface=surface), batches=3, rays_per_batch=1024, **run)
+    assert max(map(abs, found.closures())) <= 1e-15
+    if not found.compiled.tables.spec.splits:
+        assert found.closures() == [0] * 3
+    assert balance(found) != 0
+    plain = trace(room((), surface), batches=3, rays_per_batch=1024, **run)
+    assert found.detector("target").count > 4 * plain.detector("target").count
+
+
+def test_lanes_tree_and_composition_change_no_bit():
+    scene = room(("target", "element 3"), weights=[3.0, 1.0], fraction=0.7)
+    plain = trace(scene, rays_per_batch=1024, plan=PLAN.with_(lanes=1))
+    assert trace(scene, rays_per_batch=1024, plan=PLAN.with_(lanes=8)).digest == plain.digest
+    tree = trace(scene, rays_per_batch=1024, force=frozenset({"acceleration"}))
+    assert tree.digest == plain.digest
+    whole = PLAN.with_(lanes=1, composition="whole-path")
+    assert trace(scene, rays_per_batch=1024, plan=whole).digest == plain.digest
+
+
+def test_what_is_off_is_not_compiled():
+    plain = room(())
+    none = replace(plain, importance=pz.Importance(toward=["target"], fraction=0.0))
+    text = program_source(compiled(plain).tables.spec.for_device(4, ("wave",)))
+    assert program_source(compiled(none).tables.spec.for_device(4, ("wave",))) == text
+    assert "toward" not in text
+    assert "density" not in text
+    assert trace(none, rays_per_batch=256).digest == trace(plain, rays_per_batch=256).digest
+    assert "importance" in compiled(room()).effects
+    black = scene_of([LAMP], cube(BLACK), importance={"toward": ["element 0"]})
+    assert "importance" not in compiled(black).effects
+    assert any("no surface" in advice for advice in pz.advisories(black))
+
+
+@pytest.mark.parametrize("flux", [(1.0,), (1.0, 1e-3)], ids=["one lamp", "a weak lamp too"])
+def test_no_ray_is_ever_twice_as_heavy_as_it_was_launched(flux):
+    """Thousands of bounces among white walls, half of them sent towards a small target."""
+    lamps = [{**LAMP, "flux": f, "share": 1.0} for f in flux]
+    target = {**wall((0.2, 0.1, -0.999), "+z", 0.01), "name": "target", **matt(0.999)}
+    scene = scene_of(
+        lamps, [*cube(matt(0.999)), target], importance={"toward": ["target"], "fraction": 0.9},
+        run={"generation_cap": 4000},
+    )  # fmt: skip
+    found = trace(scene, rays_per_batch=64)
+    assert found.closures() == [0]
+    assert found.interactions > 64 * 100
+    paths = pz.paths(scene, rays=16, max_segments=4000)
+    launched = np.array([paths.weight[paths.ray == ray].flat[0] for ray in paths.ray])
+    ratio = paths.weight / launched
+    assert ratio.max() <= 2.0 * (1.0 + 2.0**-50)
+    assert ratio.max() > 1.5  # it comes near: the bound is what holds it
+    assert paths.generation.max() > 500
+
+
+def test_towards_all_that_a_beam_can_meet_every_ray_arrives():
+    """Half a room that is all target: what is sent there has its exact share of the cosine lobe."""
+    floor = {**wall((0, 0, 0), "+z", 100.0), **matt(1.0)}
+    dome = {
+        "kind": "sphere", "position": [0, 0, 0], "axis": "+z", "radius": 50.0, "name": "dome",
+        "surface": {"kind": "absorber"}, "detector": {"side": "inside"},
+    }  # fmt: skip
+    scene = scene_of([beam((0, 0, 1), "-z")], [floor, dome], importance={"toward": ["dome"]})
+    found = trace(scene, rays_per_batch=512)
+    # every place lies inside the ball: its share goes to the surface
+    assert balance(found) == 0
+    assert found.detector("dome").power == 512
+
+
+def test_a_ray_into_the_surface_ends_and_is_booked():
+    """A target that stands half below the horizon."""
+    plate = {**wall((0, 0, 0), "+z", 1.0), **matt(1.0), "name": "plate"}
+    ball = {"kind": "sphere", "position": [3.0, 0, 0], "axis": "+z", "radius": 0.5, "name": "ball"}
+    scene = scene_of(
+        [beam((0, 0, 1), "-z")], [plate, {**ball, **BLACK}], importance={"toward": ["ball"]}
+    )
+    found = trace(scene, rays_per_batch=4096)
+    assert found.closures() == [0]
+    # half are sent towards the ball, half of those below the plate: they end with what they weigh
+    paths = pz.paths(scene, rays=1024)
+    going = int((paths.generation == 1).sum())
+    assert abs(going - 768) < 5 * math.sqrt(1024 * 3 / 16)
+    assert found.absorbed("plate") == 0
+
+
+# -- roulette --------------------------------------------------------------------------------------
+
+
+def test_roulette_does_not_play_with_what_is_light_because_it_was_aimed():
+    """A far small target gets 1e-9 of a white plate's light in every ray that is sent there."""
+    plate = {**wall((0, 0, 0), "+z", 1.0), **matt(1.0)}
+    target = {**wall((0, 0, 100.0), "-z", 1e-2), **BLACK, "detector": {}, "name": "target"}
+    run = {"roulette_floor": 1e-3}
+    scene = scene_of(
+        [beam((0, 0, 1), "-z")], [plate, target], importance={"toward": ["target"]}, run=run
+    )
+    found = trace(scene, rays_per_batch=4096)
+    assert (found.killed, found.boosted) == (0, 0)
+    assert 1800 < found.detector("target").count < 2300
+    wanted = 4e-4 / (math.pi * 1e4)
+    assert float(found.detector("target").power / 4096) == pytest.approx(wanted, rel=0.1)
+
+
+# -- precision -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("precision", ["fp32", "mixed"])
+def test_other_precisions_close_and_agree(precision):
+    scene = room()
+    full = trace(scene, batches=2, rays_per_batch=2048).detector("target").power
+    found = trace(scene, batches=2, rays_per_batch=2048, precision=precision)
+    assert max(map(abs, found.closures())) <= 1e-5
+    assert float(found.detector("target").power) == pytest.approx(float(full), rel=1e-3)
