@@ -8,6 +8,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from oracles import aiming
+from oracles.aiming import LAMP, room
 from oracles.engine import PLAN, compiled, open_device, scene_of, trace
 from oracles.kernels import run_text
 from oracles.scenes import BLACK, beam, cube, matt, wall
@@ -15,17 +17,6 @@ from oracles.scenes import BLACK, beam, cube, matt, wall
 import photizon_cl as pz
 from hostcode.program.source import program_source
 from photizon_cl.geometry.targets import BALL, RING, SQUARE
-
-LAMP = {"kind": "isotropic-point", "flux": 1.0, "position": [0.1, -0.2, 0.3]}
-
-
-def room(toward=("target",), surface=None, **more):
-    """A matt room with a small black target on its floor, that scattered rays are sent towards."""
-    target = {**wall((0.2, 0.1, -0.999), "+z", 0.05), **BLACK, "detector": {}, "name": "target"}
-    walls = cube(surface or matt(0.6))
-    importance = {"importance": {"toward": list(toward), **more}} if toward else {}
-    return scene_of([LAMP], [*walls, target], **importance)
-
 
 # -- what targets draw -----------------------------------------------------------------------------
 
@@ -201,22 +192,11 @@ def test_what_is_off_is_not_compiled():
 
 @pytest.mark.parametrize("flux", [(1.0,), (1.0, 1e-3)], ids=["one lamp", "a weak lamp too"])
 def test_no_ray_is_ever_twice_as_heavy_as_it_was_launched(flux):
-    """Thousands of bounces among white walls, half of them sent towards a small target."""
-    lamps = [{**LAMP, "flux": f, "share": 1.0} for f in flux]
-    target = {**wall((0.2, 0.1, -0.999), "+z", 0.01), "name": "target", **matt(0.999)}
-    scene = scene_of(
-        lamps, [*cube(matt(0.999)), target], importance={"toward": ["target"], "fraction": 0.9},
-        run={"generation_cap": 4000},
-    )  # fmt: skip
-    found = trace(scene, rays_per_batch=64)
-    assert found.closures() == [0]
-    assert found.interactions > 64 * 100
-    paths = pz.paths(scene, rays=16, max_segments=4000)
-    launched = np.array([paths.weight[paths.ray == ray].flat[0] for ray in paths.ray])
-    ratio = paths.weight / launched
-    assert ratio.max() <= 2.0 * (1.0 + 2.0**-50)
-    assert ratio.max() > 1.5  # it comes near: the bound is what holds it
-    assert paths.generation.max() > 500
+    aiming.weights_are_bounded(flux)
+
+
+def test_splits_roulette_and_several_targets_close():
+    aiming.busy_room_closes()
 
 
 def test_towards_all_that_a_beam_can_meet_every_ray_arrives():
@@ -249,22 +229,15 @@ def test_a_ray_into_the_surface_ends_and_is_booked():
     assert found.absorbed("plate") == 0
 
 
-# -- roulette --------------------------------------------------------------------------------------
+def test_roulette_does_not_play_for_what_is_light_because_it_was_aimed():
+    aiming.roulette_spares_what_is_aimed()
 
 
-def test_roulette_does_not_play_with_what_is_light_because_it_was_aimed():
-    """A far small target gets 1e-9 of a white plate's light in every ray that is sent there."""
-    plate = {**wall((0, 0, 0), "+z", 1.0), **matt(1.0)}
-    target = {**wall((0, 0, 100.0), "-z", 1e-2), **BLACK, "detector": {}, "name": "target"}
-    run = {"roulette_floor": 1e-3}
-    scene = scene_of(
-        [beam((0, 0, 1), "-z")], [plate, target], importance={"toward": ["target"]}, run=run
-    )
-    found = trace(scene, rays_per_batch=4096)
-    assert (found.killed, found.boosted) == (0, 0)
-    assert 1800 < found.detector("target").count < 2300
-    wanted = 4e-4 / (math.pi * 1e4)
-    assert float(found.detector("target").power / 4096) == pytest.approx(wanted, rel=0.1)
+@pytest.mark.parametrize(
+    "gate", [aiming.disk_over_a_plate, aiming.ball_over_a_plate, aiming.far_tiny_disk]
+)
+def test_a_target_over_a_plate_gets_its_share(gate):
+    gate()
 
 
 # -- precision -------------------------------------------------------------------------------------
