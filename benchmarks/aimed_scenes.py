@@ -1,8 +1,8 @@
 """Scenes in which a small detector is lit by what scatters, for importance sampling and without.
 
-`TEN` are such that tracing without it reaches σ = 0.5 % in seconds; between them they have every shape
-of a target, several targets, one that scatters on, what splits, sources of unequal weights and
-elements of every fate in the way.
+`TEN` are such that tracing without it reaches σ = 0.5 % in seconds; between them they have every
+shape of a target, several targets, one that scatters on, what splits, sources of unequal weights
+and elements of every fate in the way.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def _sensor(**more: Any) -> pz.Rectangle:
 
 
 def patch_of_sphere(reflectance: float = 0.9, cap: int = 200) -> pz.Scene:
-    """Return a sphere of 1 m with a lamp off its centre and a one-sided patch of 1 % of the wall."""
+    """Return a sphere, a lamp off its centre and a one-sided patch of 1 % of the wall."""
     area = 0.01 * 4.0 * math.pi
     radius = math.sqrt(area / math.pi)
     wall = pz.Sphere(

@@ -1,19 +1,19 @@
 """What importance sampling is worth: ``python -m benchmarks.importance [--mitsuba PYTHON]``.
 
-1. A patch of 1 % of the wall of an integrating sphere (ρ 0.9, an isotropic lamp off its centre): seconds
-   until its power is known to 1 %, without and with importance sampling, in interleaved rounds; and of
-   Mitsuba's path tracer where ``--mitsuba`` names an interpreter that has it, in the same rounds, see
-   `benchmarks.mitsuba_sphere`. That one leaves out what comes straight from the lamp, so the
-   comparison is over what was reflected, and all of it is given beside it.
+1. A patch of 1 % of the wall of an integrating sphere (ρ 0.9, an isotropic lamp off its centre):
+   seconds until its power is known to 1 %, without and with importance sampling, in interleaved
+   rounds; and of Mitsuba's path tracer where ``--mitsuba`` names an interpreter that has it, in
+   the same rounds, see `benchmarks.mitsuba_sphere`. That one leaves out what comes straight from
+   the lamp, so the comparison is over what was reflected, and all of it is given beside it.
 2. A baffled tube whose walls reflect 7.5 %, lit at 60°: figure of merit 1/(σ² s) without and with.
 3. A longer and darker one: seconds until PST is known to 10 %, followed to the end.
 4. Ten scenes: the mean without and with importance sampling, each to 0.5 % or better; the ledger of
    every batch closes.
 
 PST is the sensor's mean irradiance over that of the beam across it (1 W/m²). Compilation is not
-counted. Exit status 1 where a gain is below `LEAST_GAIN`, the long tube takes more than five minutes,
-a mean differs by more than `MOST_Z` of its σ (chance 1e-4 for all ten), a ledger does not close, or
-Mitsuba is sooner.
+counted. Exit status 1 where a gain is below `LEAST_GAIN`, the long tube takes more than five
+minutes, a mean differs by more than `MOST_Z` of its σ (chance 1e-4 for all ten), a ledger does not
+close, or Mitsuba is sooner.
 """
 
 from __future__ import annotations
@@ -91,7 +91,9 @@ class Mitsuba:
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line:
-            raise SystemExit("benchmarks.importance: Mitsuba's process ended; see its message above")
+            raise SystemExit(
+                "benchmarks.importance: Mitsuba's process ended; see its message above"
+            )
         return dict(json.loads(line))
 
     def run(self, samples: int, seed: int) -> tuple[float, float]:

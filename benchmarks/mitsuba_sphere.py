@@ -49,7 +49,9 @@ def main() -> None:
             "patch": {
                 "type": "disk", "to_world": transform,
                 "bsdf": {"type": "diffuse", "reflectance": {"type": "spectrum", "value": 0.0}},
-                "sensor": {"type": "irradiancemeter", "film": film, "sampler": {"type": "independent"}},
+                "sensor": {
+                    "type": "irradiancemeter", "film": film, "sampler": {"type": "independent"},
+                },
             },
         }
     )  # fmt: skip

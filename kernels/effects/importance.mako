@@ -61,7 +61,7 @@ FN real draw_target(__global const double *t, const sight_t *s, real u, real v, 
     if (t[TARGET_SHAPE] == TARGET_BALL) {
         sincos_turns(v, &si, &co);
         const real d = R(1.0) / sqrt(dot3(s->x, s->y, s->z, s->x, s->y, s->z));
-        const real h = ${point("importance.cone", "u")} * s->height, sine = sqrt(h * (R(2.0) - h));
+        const real h = ${point("importance.height", "u")} * s->height, sine = sqrt(h * (R(2.0) - h));
         about_normal(s->x * d, s->y * d, s->z * d, sine * co, sine * si, R(1.0) - h, x, y, z);
         density = R(0x1.45f306dc9c883p-3) / s->height;
     } else {

@@ -75,9 +75,7 @@ def target_of(element: Element) -> Target:
         if isinstance(outline, Circular) and (hole is None or isinstance(hole, Circular)):
             a, b = outline.radius, 0.0 if hole is None else hole.radius
             area = math.pi * (a - b) * (a + b)
-            return Target(
-                RING, _point(element, face.centre), element.frame, a, b, area, a, side
-            )
+            return Target(RING, _point(element, face.centre), element.frame, a, b, area, a, side)
     low, high = element.local_box
     middle = tuple(0.5 * (x + y) for x, y in zip(low, high, strict=True))
     box = 0.5 * math.dist(low, high)

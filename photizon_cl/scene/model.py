@@ -93,9 +93,7 @@ class Scene(Described):
     importance: Importance | None = field(
         default=None,
         metadata=declare(
-            Nested(
-                Importance, "the", meaning="where scattered rays are sent more often"
-            )
+            Nested(Importance, "the", meaning="where scattered rays are sent more often")
         ),
     )
     title: str = field(default="", metadata=free_text("one line for people"))
@@ -106,7 +104,7 @@ class Scene(Described):
         """Check names and shares across sources and elements, and what is named elsewhere."""
         elements = known.get("element") or ()
         problems = between_objects(known.get("source") or (), elements)
-        return problems + targets_of(known.get("importance"), elements)
+        return problems + targets_of(known.get(Importance.label), elements)
 
     @property
     def heading(self) -> str:

@@ -1,4 +1,4 @@
-"""Importance sampling: what targets draw, exact ledgers, bounded weights, and what it leaves alone."""
+"""Importance sampling: what targets draw, exact ledgers, bounded weights, what it leaves alone."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ __kernel void test(__global const double *t, __global const double *numbers, __g
     real x, y, z;
     const real own = draw_target(t, &s, n[6], n[7], &x, &y, &z);
     const real again = density_target(t, &s, x, y, z);
-    const double found[7] = {(double)-s.seen, x, y, z, own, again, density_target(t, &s, -x, -y, -z)};
+    const real behind = density_target(t, &s, -x, -y, -z);
+    const double found[7] = {(double)-s.seen, x, y, z, own, again, behind};
     for (int k = 0; k < 7; k++) out[7 * i + k] = found[k];
 }
 """
@@ -45,9 +46,9 @@ def spec():
 def row(shape, centre, frame, a, b, side=0):
     area = {SQUARE: 4.0 * a * b, RING: math.pi * (a - b) * (a + b), BALL: 0.0}[shape]
     reach = math.hypot(a, b) if shape == SQUARE else a
-    return np.array([
-        *centre, *np.ravel(frame), a, b, 1.0 / area if area else 0.0, reach, side, shape, 1.0, 0.0, 1.0,
-    ])  # fmt: skip
+    per_area = 1.0 / area if area else 0.0
+    what = [a, b, per_area, reach, side, shape]
+    return np.array([*centre, *np.ravel(frame), *what, 1.0, 0.0, 1.0])
 
 
 def drawn(target, place, up=(0.0, 0.0, 1.0), n=64):
@@ -65,20 +66,24 @@ def drawn(target, place, up=(0.0, 0.0, 1.0), n=64):
 
 FLAT = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]])
 TURNED = np.array([[0.0, 0.6, 0.8], [1, 0, 0], [0, 0.8, -0.6]])
+EDGE_ON = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 CASES = {
-    "rectangle above": (SQUARE, 0.3, 0.5, 1.0, FLAT, 1.0),
-    "turned rectangle": (SQUARE, 0.3, 0.5, 2.0, TURNED, 1.0),
-    "disk above": (RING, 0.5, 0.0, 1.0, FLAT, 1.0),
-    "ring above": (RING, 0.5, 0.3, 1.0, FLAT, 1.0),
-    "ball above": (BALL, 0.5, 0.0, 1.0, FLAT, 1.0),
-    "near rectangle": (SQUARE, 0.3, 0.5, 0.05, FLAT, 1.0),
-    "far rectangle": (SQUARE, 0.3, 0.5, 1.0, FLAT, 1e6),
-    "far ball": (BALL, 0.5, 0.0, 1.0, FLAT, 1e6),
-    "tiny rectangle": (SQUARE, 3e-7, 5e-7, 1.0, FLAT, 1.0),
-    "tiny ring": (RING, 5e-7, 3e-7, 1.0, FLAT, 1.0),
-    "tiny ball": (BALL, 5e-7, 0.0, 1.0, FLAT, 1.0),
-    "grazing rectangle": (SQUARE, 0.3, 0.5, 1.0, [[1.0, 0, 0], [0, 0, 1], [0, -1, 0]], 1.0),
+    "rectangle": (SQUARE, 0.3, 0.5, (0, 0, 1.0), FLAT),
+    "turned rectangle": (SQUARE, 0.3, 0.5, (0, 0, 2.0), TURNED),
+    "rectangle aside": (SQUARE, 0.3, 0.5, (1.5, -0.7, 1.0), FLAT),
+    "disk": (RING, 0.5, 0.0, (0, 0, 1.0), FLAT),
+    "ring": (RING, 0.5, 0.3, (0.2, 0, 1.0), FLAT),
+    "ball": (BALL, 0.5, 0.0, (0.3, 0.4, 1.0), FLAT),
+    "near rectangle": (SQUARE, 0.3, 0.5, (0, 0, 0.2), FLAT),
+    "far rectangle": (SQUARE, 0.3, 0.5, (0, 0, 1e6), FLAT),
+    "far ball": (BALL, 0.5, 0.0, (3e5, 0, 1e6), FLAT),
+    "tiny rectangle": (SQUARE, 3e-7, 5e-7, (0, 0.2, 1.0), FLAT),
+    "tiny ring": (RING, 5e-7, 3e-7, (0, 0, 1.0), TURNED),
+    "tiny ball": (BALL, 5e-7, 0.0, (0, 0, 1.0), FLAT),
+    "far and tiny": (SQUARE, 3e-7, 5e-7, (0, 0, 1e6), TURNED),
+    "grazing": (SQUARE, 0.3, 0.5, (0, 0.02, 1.0), EDGE_ON),
 }
+"""Shape, sizes, centre and frame, seen from the origin."""
 
 
 def solid_angle(shape, a, b, centre, frame, n=2000):
@@ -100,22 +105,16 @@ def solid_angle(shape, a, b, centre, frame, n=2000):
 
 @pytest.mark.parametrize("case", CASES)
 def test_directions_meet_the_target_with_their_density(case):
-    shape, a, b, far, frame, times = CASES[case]
-    frame, a, b = np.array(frame), a * times, b * times
-    # a target turned edge-on stands a little aside, so that it is seen at all
-    centre = np.array([0.0, 0.02 if case.startswith("grazing") else 0.0, 1.0 * far * times])
-    scale = 1e-6 if case.startswith("far") else 1.0  # as small as before, and that far away
-    target = row(shape, centre, frame, a * scale, b * scale)
-    seen, way, own, again, behind = drawn(target, (0.0, 0.0, 0.0))
+    shape, a, b, centre, frame = CASES[case]
+    seen, way, own, again, behind = drawn(row(shape, centre, frame, a, b), (0.0, 0.0, 0.0))
     assert seen.all()
-    assert np.abs(np.linalg.norm(way, axis=1) - 1.0).max() < 4e-16 * 4
-    # the density that is drawn with is the one that is found for the direction, which is none behind
-    near = 1e-9 if times * far > 1e3 or a < 1e-3 else 1e-12
-    assert again == pytest.approx(own, rel=max(near, 1e-6 if case.startswith("far") else near))
+    assert np.abs(np.linalg.norm(way, axis=1) - 1.0).max() < 1e-15
+    # what is drawn and what is found for a direction agree, to its rounding over the target's size
+    rounding = 1e-15 * np.linalg.norm(centre) / a
+    assert again == pytest.approx(own, rel=1e-12 + 64.0 * rounding)
     assert not behind.any()
-    # over directions the density's reciprocal is the solid angle
-    wanted = solid_angle(shape, a * scale, b * scale, centre, frame)
-    assert np.mean(1.0 / own) == pytest.approx(wanted, rel=2e-3)
+    # the mean of the density's reciprocal is the solid angle, by the midpoint rule
+    assert np.mean(1.0 / own) == pytest.approx(solid_angle(shape, a, b, centre, frame), rel=3e-3)
 
 
 def test_a_place_that_cannot_see_a_target_has_no_part_of_it():

@@ -462,33 +462,6 @@ MUTANTS = (
         {"conic.height": "SEL(beyond, high, clamp(z, low, high))"},
         gates.round_corners_hold,
     ),
-)  # fmt: skip
-
-
-def _clear() -> None:
-    kernels._program.cache_clear()
-
-
-@pytest.fixture
-def engine(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[Mutant], None]]:
-    """Return a function that breaks the engine until the test ends."""
-
-    def break_it(mutant: Mutant) -> None:
-        assert mutant.points.keys() <= POINTS, "no such point"
-        monkeypatch.setattr(templates, "MUTATIONS", dict(mutant.points))
-        monkeypatch.setattr(build, "_CACHE", {})
-        _clear()
-
-    yield break_it
-    monkeypatch.undo()
-    _clear()
-
-
-POINTS = set(
-    re.findall(
-        r'point\("([\w.]+)"',
-        "".join(path.read_text(encoding="utf-8") for path in kernels_dir().rglob("*.mako")),
-    )
     Mutant(
         'points of a target drawn by area, without the cosine',
         {'importance.by_area': 'rr * R(t[TARGET_PER_AREA])'},
@@ -516,7 +489,7 @@ POINTS = set(
     ),
     Mutant(
         'a cone that is denser in its middle',
-        {'importance.cone': 'u * u'},
+        {'importance.height': 'u * u'},
         aiming.ball_over_a_plate,
     ),
     Mutant(
@@ -529,6 +502,33 @@ POINTS = set(
         {'roulette.aimed': 'floor_weight'},
         aiming.roulette_spares_what_is_aimed,
     ),
+)  # fmt: skip
+
+
+def _clear() -> None:
+    kernels._program.cache_clear()
+
+
+@pytest.fixture
+def engine(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[Mutant], None]]:
+    """Return a function that breaks the engine until the test ends."""
+
+    def break_it(mutant: Mutant) -> None:
+        assert mutant.points.keys() <= POINTS, "no such point"
+        monkeypatch.setattr(templates, "MUTATIONS", dict(mutant.points))
+        monkeypatch.setattr(build, "_CACHE", {})
+        _clear()
+
+    yield break_it
+    monkeypatch.undo()
+    _clear()
+
+
+POINTS = set(
+    re.findall(
+        r'point\("([\w.]+)"',
+        "".join(path.read_text(encoding="utf-8") for path in kernels_dir().rglob("*.mako")),
+    )
 )
 
 

@@ -1,8 +1,8 @@
 """Gates on importance sampling, for the engine as it is and for broken ones.
 
-A narrow beam meets the middle of a wide matt plate of reflectance ρ. Of what that scatters a disk of
-radius r across the axis at the height h gets r²/(r² + h²), and a ball of radius r around that place r²/h²:
-both are sin² of a cone about the normal, of which a cosine lobe sends that part.
+A narrow beam meets the middle of a wide matt plate of reflectance ρ. Of what that scatters a disk
+of radius r across the axis at the height h gets r²/(r² + h²), and a ball of radius r around that
+place r²/h²: both are sin² of a cone about the normal, of which a cosine lobe sends that part.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def weights_are_bounded(flux: tuple[float, ...] = (1.0,)) -> None:
 
 
 def roulette_spares_what_is_aimed() -> None:
-    """A far small target gets 1e-8 of a plate's light; its rays are light, and none is played for."""
+    """A far small target gets 1e-8 of a plate's light in light rays, and none is played for."""
     shape = {"kind": "disk", "radius": 1e-2, "position": [0, 0, 100.0]}
     found = trace(over_plate(shape), rays_per_batch=4096, roulette_floor=1e-3)
     assert (found.killed, found.boosted) == (0, 0)

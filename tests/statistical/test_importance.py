@@ -1,8 +1,8 @@
 """Importance sampling changes no mean: beside tracing without it, on scenes where that can do it.
 
-The gates are one family: with a right engine the chance that any fails is `FALSE_ALARM`. σ comes from
-the batches, so each limit is Student's (Welch's, with the degrees of freedom of the smaller run). Seeds
-are fixed, nothing is run again.
+The gates are one family: with a right engine the chance that any fails is `FALSE_ALARM`. σ comes
+from the batches, so each limit is Student's (Welch's, with the degrees of freedom of the smaller
+run). Seeds are fixed, nothing is run again.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.aimed_scenes import TEN, plain
 from oracles.statistics import sidak, z_limit
 
 import photizon_cl as pz
+from benchmarks.aimed_scenes import TEN, plain
 
 FALSE_ALARM = 1e-6
 LEVEL = sidak(FALSE_ALARM, 2 * len(TEN))

@@ -1,8 +1,9 @@
-"""What importance sampling rests on: each surface's density, and what is aimed at to meet an element.
+"""What importance sampling rests on: each surface's density, and what is aimed at.
 
-A surface that sends rays in directions drawn at random says so (`Surface.scatters`), and its kernel gives
-the density of them. That is asked for of every surface of the registry by what it does to a beam.
-Directions are compared with the density by χ², at a level of `ALPHA` a surface; seeds are fixed.
+A surface that sends rays in directions drawn at random says so (`Surface.scatters`), and its
+kernel gives the density of them. That is asked for of every surface of the registry by what it
+does to a beam. Directions are compared with the density by χ², at a level of `ALPHA` a surface;
+seeds are fixed.
 """
 
 from __future__ import annotations
@@ -52,10 +53,10 @@ def drawn_directions(optics) -> np.ndarray:
 
 
 def says_what_it_draws(optics) -> None:
-    """Assert that a surface scatters where its class says so, and that its kernel has the density."""
+    """Assert that a surface scatters where its class says so, and has the density of it."""
     cls = type(optics)
     assert cls.scatters == bool(len(drawn_directions(optics))), (
-        "a surface that draws directions sets `scatters`, calls scattered() and has density_<kernel>()"
+        "what draws directions sets `scatters`, calls scattered() and has density_<kernel>()"
     )
     text = (kernels_dir() / "surfaces" / f"{cls.kernel}.mako").read_text("utf-8")
     assert cls.scatters == (f"FN real density_{cls.kernel}(" in text)
@@ -77,7 +78,8 @@ def test_a_surface_that_hides_what_it_draws_is_caught():
 
 
 _BODY = """
-__kernel void test(__global const double *materials, __global const double *ways, __global double *out) {
+__kernel void test(__global const double *materials, __global const double *ways,
+                   __global double *out) {
     const size_t i = get_global_id(0);
     packet_t p = {0};
     p.dx = ways[0]; p.dy = ways[1]; p.dz = ways[2];
@@ -95,9 +97,7 @@ __kernel void test(__global const double *materials, __global const double *ways
 def density(optics, ways) -> np.ndarray:
     """Return what the kernel gives for directions, shape (n, 3), after the slanting beam."""
     element = plate(optics).element[0]
-    made = compiled(
-        replace(plate(optics), importance=pz.Importance(toward=[element.name]))
-    ).tables
+    made = compiled(replace(plate(optics), importance=pz.Importance(toward=[element.name]))).tables
     body = _BODY.replace("KERNEL", type(optics).kernel)
     given = np.vstack([ALONG, ways])
     materials = np.ascontiguousarray(made.materials)
@@ -106,7 +106,7 @@ def density(optics, ways) -> np.ndarray:
 
 
 def by_bin(optics) -> np.ndarray:
-    """Return the density's integrals over bins of cos θ in [−1, 1] and of φ, by the midpoint rule."""
+    """Return the density's integrals over bins of cos θ and φ, by the midpoint rule."""
     mu = (np.arange(N_MU * FINE) + 0.5) * (2.0 / (N_MU * FINE)) - 1.0
     phi = (np.arange(N_PHI * FINE) + 0.5) * (2.0 * math.pi / (N_PHI * FINE))
     mu, phi = (grid.ravel() for grid in np.meshgrid(mu, phi, indexing="ij"))
@@ -152,7 +152,7 @@ def test_every_element_lies_within_its_target(kind):
     points = hits.point[hits.element >= 0]
     assert len(points) > 100
     target = target_of(element)
-    u, v, w = (np.array(target.frame) @ (points - target.centre).T)
+    u, v, w = np.array(target.frame) @ (points - target.centre).T
     if target.shape == BALL:
         assert (u**2 + v**2 + w**2 <= (target.a * (1 + 1e-12)) ** 2).all()
     else:

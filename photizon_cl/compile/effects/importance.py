@@ -30,7 +30,7 @@ _TARGET = Row(
     ("per_area", "1/m²", "1 over its area, of a flat one"),
     ("reach", "m", "radius of a ball around the centre that holds it"),
     ("side", "", "1 or −1 where only that side counts, else 0"),
-    ("shape", "", "0 rectangle, 1 disk or annulus, 2 ball"),
+    ("shape", "", "SQUARE, RING or BALL of photizon_cl/geometry/targets.py"),
     ("share", "", "part of what is sent towards targets"),
     ("first", "", "sum of the shares before it"),
     ("end", "", "sum of the shares up to it, 1 of the last one"),
@@ -40,8 +40,8 @@ _TARGET = Row(
 _RATIO = RayField(
     "ratio", "weight", "weight_splat(1.0)", "weight over what it would be without importance"
 )
-"""What a ray carries where roulette is played: its floor is one of the weight without importance, or
-it would end just those rays that were sent where they matter."""
+"""What a ray carries where roulette is played: its floor is one of the weight without importance,
+or it would end just those rays that were sent where they matter."""
 
 
 class Importance(Effect):
