@@ -44,7 +44,10 @@ def test_a_surface_and_an_effect_are_added(checkout):
     shutil.copy(ROOT / "pyproject.toml", checkout)
     for name in ("tests", "docs"):
         shutil.copytree(ROOT / name, checkout / name, dirs_exist_ok=True)
-    contract = [f"tests/structure/test_contract{part}.py" for part in ("", "_effects", "_chance", "_scatter")]
+    contract = [
+        f"tests/structure/test_contract{part}.py"
+        for part in ("", "_effects", "_chance", "_scatter")
+    ]
     said = runner.process(
         "-m",
         "pytest",

@@ -190,8 +190,9 @@ def test_what_is_off_is_not_compiled():
 
 
 @pytest.mark.parametrize("flux", [(1.0,), (1.0, 1e-3)], ids=["one lamp", "a weak lamp too"])
-def test_no_ray_is_ever_twice_as_heavy_as_it_was_launched(flux):
-    aiming.weights_are_bounded(flux)
+@pytest.mark.parametrize("floor", [0.0, 1.0])
+def test_no_ray_is_ever_twice_as_heavy_as_it_was_launched(flux, floor):
+    aiming.weights_are_bounded(flux, floor)
 
 
 def test_splits_roulette_and_several_targets_close():

@@ -54,14 +54,14 @@ def gets_its_share(shape: dict[str, Any], share: float, rays: int, **aim: Any) -
 
 
 def disk_over_a_plate() -> None:
-    """A disk near the plate."""
-    gets_its_share({"kind": "disk", "radius": 0.5, "position": [0, 0, 1]}, 0.2, 512)
+    """A wide disk, whose rim is seen under a slant of 63°."""
+    gets_its_share({"kind": "disk", "radius": 2.0, "position": [0, 0, 1]}, 0.8, 2048)
 
 
 def ball_over_a_plate() -> None:
-    """A ball, of which the outside counts."""
-    ball = {"kind": "sphere", "radius": 0.5, "position": [0, 0, 1], "detector": {"side": "outside"}}
-    gets_its_share(ball, 0.25, 512)
+    """A ball near the plate, of which the outside counts."""
+    ball = {"kind": "sphere", "radius": 0.9, "position": [0, 0, 1], "detector": {"side": "outside"}}
+    gets_its_share(ball, 0.81, 2048)
 
 
 def far_tiny_disk() -> None:
@@ -79,15 +79,15 @@ def busy_room_closes() -> None:
     assert max(map(abs, found.closures())) <= 1e-15
 
 
-def weights_are_bounded(flux: tuple[float, ...] = (1.0,)) -> None:
+def weights_are_bounded(flux: tuple[float, ...] = (1.0,), floor: float = 0.0) -> None:
     """Thousands of bounces among white walls: no ray is ever twice as heavy as it was launched."""
     lamps = [{**LAMP, "flux": f, "share": 1.0} for f in flux]
     target = {**wall((0.2, 0.1, -0.999), "+z", 0.01), "name": "target", **matt(0.999)}
     scene = scene_of(
         lamps, [*cube(matt(0.999)), target], importance={"toward": ["target"], "fraction": 0.9},
-        run={"generation_cap": 4000},
+        run={"generation_cap": 4000, "roulette_floor": floor},
     )  # fmt: skip
-    paths = pz.paths(scene, rays=16, max_segments=4000)
+    paths = pz.paths(scene, rays=16 if floor == 0.0 else 512, max_segments=4000)
     first = np.unique(paths.ray, return_index=True)[1]
     ratio = paths.weight / paths.weight[first][np.searchsorted(paths.ray[first], paths.ray)]
     assert ratio.max() <= 2.0 * (1.0 + 2.0**-50)
