@@ -4,7 +4,8 @@
    seconds until its power is known to 1 %, without and with importance sampling, in interleaved
    rounds; and of Mitsuba's path tracer where ``--mitsuba`` names an interpreter that has it, in
    the same rounds, see `benchmarks.mitsuba_sphere`. That one leaves out what comes straight from
-   the lamp, so the comparison is over what was reflected, and all of it is given beside it.
+   the lamp, so the comparison is over what was reflected, and all of it is given beside it: neither
+   may take longer than Mitsuba does for what was reflected.
 2. A baffled tube whose walls reflect 7.5 %, lit at 60°: figure of merit 1/(σ² s) without and with.
 3. A longer and darker one: seconds until PST is known to 10 %, followed to the end.
 4. Ten scenes: the mean without and with importance sampling, each to 0.5 % or better; the ledger of
@@ -115,10 +116,10 @@ class Mitsuba:
 def sphere(report: Report, python: str | None, rounds: int) -> tuple[dict[str, Any], bool]:
     """Measure the patch of the sphere; say whether we are no later than Mitsuba."""
     scene = patch_of_sphere(cap=DEPTH)
-    matched = dataclasses.replace(scene, importance=pz.Importance(toward=["sensor"], fraction=0.1))
+    matched = dataclasses.replace(scene, importance=pz.Importance(toward=["sensor"], fraction=0.2))
     ours = {
         "analog": (plain(scene), 16), "importance, fraction 0.5": (scene, 16),
-        "importance, fraction 0.1": (matched, 16),
+        "importance, fraction 0.2": (matched, 16),
     }  # fmt: skip
     theirs = {} if python is None else {f"Mitsuba, roulette from {n}": n for n in ROULETTE}
     others = {name: Mitsuba(str(python), n) for name, n in theirs.items()}
@@ -154,7 +155,7 @@ def sphere(report: Report, python: str | None, rounds: int) -> tuple[dict[str, A
         rows.append((name, f"{middle[0]:.2e} s", f"{middle[1]:.5f} W", *whole))
     report.say(*table(("", "to 1 %, reflected", "power", "to 1 %, all", "power"), rows))
     best = min((middle[0] for name, middle in median.items() if name in others), default=math.inf)
-    mine = median["importance, fraction 0.1"][0]
+    mine, all_of_it = median["importance, fraction 0.2"][0], median["importance, fraction 0.2"][2]
     if others:
         about = next(iter(others.values())).about
         report.say(
@@ -162,7 +163,7 @@ def sphere(report: Report, python: str | None, rounds: int) -> tuple[dict[str, A
             f"long as photizon_cl with importance sampling, which needs "
             f"{median['analog'][0] / mine:.1f} times less than without"
         )
-    return {"rounds": rounds, "median": median, "all": got}, mine <= best
+    return {"rounds": rounds, "median": median, "all": got}, max(mine, all_of_it) <= best
 
 
 # -- tubes -----------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-## surfaces (kinds in use: .kind, .number, .single, .scatters), pairs
+## surfaces (kinds in use: .kind, .number, .single, .scatters), pairs, counts (of a target's numbers)
 // Importance sampling: scattered rays are sent towards targets more often than their surfaces send them.
 //
 // One-sample multiple importance sampling (E. Veach, thesis, Stanford 1997, 9.2.4): with the chance a the
@@ -17,17 +17,18 @@
 // writes: outcome (direction and weight of the drawn ray); row importance.balance, what its weight lost.
 <%
     scattering = [s for s in surfaces if s.scatters]
-    places = ("X Y Z UX UY UZ VX VY VZ NX NY NZ A B PER_AREA REACH SIDE SHAPE SHARE FIRST END").split()
     stride = counts["target_numbers"]
-    assert len(places) == stride
 %>
 #define DECIDE_TOWARD 5u
 #define HEAVIEST ${point("importance.heaviest", "2.0")}
-% for n, name in enumerate(places):
-#define TARGET_${name} ${n}
+// Numbers of a target (photizon_cl/compile/effects/importance.py), and shapes (photizon_cl/geometry/targets.py).
+% for name, place in counts.items():
+% if name.startswith("TARGET_"):
+#define ${name} ${place}
+% endif
 % endfor
-#define TARGET_RING 1.0
-#define TARGET_BALL 2.0
+#define IS_BALL(t) ((t)[TARGET_SHAPE] == ${counts["target_ball"]}.0)
+#define IS_RING(t) ((t)[TARGET_SHAPE] == ${counts["target_ring"]}.0)
 
 // A target from a place: the way to its centre; of a flat one how high that is along its normal, of a
 // ball 1 - cos of the cone's half-angle; the lanes from which it can be seen at all.
@@ -39,7 +40,7 @@ FN sight_t see_target(__global const double *t, const contact_t *c, real upx, re
     s.x = R(t[TARGET_X]) - c->x; s.y = R(t[TARGET_Y]) - c->y; s.z = R(t[TARGET_Z]) - c->z;
     const real reach = splat(t[TARGET_REACH]);
     s.seen = GT(dot3(s.x, s.y, s.z, upx, upy, upz), -reach);
-    if (t[TARGET_SHAPE] == TARGET_BALL) {
+    if (IS_BALL(t)) {
         // sin^2 = R^2 / D^2, and 1 - cos = sin^2 / (1 + cos): no difference of nearly equal numbers
         const real d = sqrt(dot3(s.x, s.y, s.z, s.x, s.y, s.z));
         const real sine = reach / d, cosine = sqrt(fmax((R(1.0) - sine) * (R(1.0) + sine), splat(0.0)));
@@ -58,7 +59,7 @@ FN sight_t see_target(__global const double *t, const contact_t *c, real upx, re
 // A direction towards a target from u and v in [0, 1], and its density per steradian.
 FN real draw_target(__global const double *t, const sight_t *s, real u, real v, real *x, real *y, real *z) {
     real density, si, co;
-    if (t[TARGET_SHAPE] == TARGET_BALL) {
+    if (IS_BALL(t)) {
         sincos_turns(v, &si, &co);
         const real d = R(1.0) / sqrt(dot3(s->x, s->y, s->z, s->x, s->y, s->z));
         const real h = ${point("importance.height", "u")} * s->height, sine = sqrt(h * (R(2.0) - h));
@@ -67,7 +68,7 @@ FN real draw_target(__global const double *t, const sight_t *s, real u, real v, 
     } else {
         const real a = splat(t[TARGET_A]), b = splat(t[TARGET_B]);
         real p, q;
-        if (t[TARGET_SHAPE] == TARGET_RING) {
+        if (IS_RING(t)) {
             sincos_turns(v, &si, &co);
             const real r = sqrt(fma(u, (a - b) * (a + b), b * b));
             p = r * co; q = r * si;
@@ -88,7 +89,7 @@ FN real draw_target(__global const double *t, const sight_t *s, real u, real v, 
 
 // The density with which that gives a direction: 0 where it leads past the target.
 FN real density_target(__global const double *t, const sight_t *s, real x, real y, real z) {
-    if (t[TARGET_SHAPE] == TARGET_BALL) {
+    if (IS_BALL(t)) {
         const real b = dot3(s->x, s->y, s->z, x, y, z);
         const real lx = fma(-b, x, s->x), ly = fma(-b, y, s->y), lz = fma(-b, z, s->z);
         const mask meets = GT(b, splat(0.0)) & LE(dot3(lx, ly, lz, lx, ly, lz), splat(t[TARGET_A] * t[TARGET_A]));
@@ -101,7 +102,7 @@ FN real density_target(__global const double *t, const sight_t *s, real x, real 
     const real q = fma(r, dot3(x, y, z, splat(t[TARGET_VX]), splat(t[TARGET_VY]), splat(t[TARGET_VZ])),
                        -dot3(s->x, s->y, s->z, splat(t[TARGET_VX]), splat(t[TARGET_VY]), splat(t[TARGET_VZ])));
     mask meets = GT(r, splat(0.0));
-    if (t[TARGET_SHAPE] == TARGET_RING) {
+    if (IS_RING(t)) {
         const real pp = fma(p, p, q * q);
         meets &= LE(pp, splat(t[TARGET_A] * t[TARGET_A])) & GE(pp, splat(t[TARGET_B] * t[TARGET_B]));
     } else {
@@ -154,38 +155,45 @@ FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t
     // is a new number there, and again within the part
     const real choice = u / a;
     __global const double *targets = scene->geometry + launch->targets;
-    real aimed = splat(0.0), density = splat(0.0);
+    real seen = splat(0.0);         // share of the targets that can be seen
+    real density = splat(0.0);      // of the targets, into the surface's own direction
+    real aimed = splat(0.0);        // of the targets, into the one that is drawn
+    real ax = x, ay = y, az = z;
     lint drawn = lsplat(-1L);
     for (long k = 0; k < (long)launch->n_targets; k++) {
         __global const double *t = targets + k * ${stride};
         const sight_t s = see_target(t, c, upx, upy, upz);
-        aimed += SEL(s.seen, splat(t[TARGET_SHARE]), splat(0.0));
+        seen += SEL(s.seen, splat(t[TARGET_SHARE]), splat(0.0));
+        density += SEL(s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, x, y, z), splat(0.0));
         const mask mine = m & s.seen & GE(choice, splat(t[TARGET_FIRST])) & LT(choice, splat(t[TARGET_END]));
         if (ANY(mine)) {
             real tx, ty, tz;
             const real again = clamp((choice - R(t[TARGET_FIRST])) / R(t[TARGET_SHARE]), splat(0.0), splat(1.0));
             const real own = draw_target(t, &s, again, v, &tx, &ty, &tz);
-            density = SEL(mine, R(t[TARGET_SHARE]) * own, density);
-            x = SEL(mine, tx, x); y = SEL(mine, ty, y); z = SEL(mine, tz, z);
+            aimed = SEL(mine, R(t[TARGET_SHARE]) * own, aimed);
+            ax = SEL(mine, tx, ax); ay = SEL(mine, ty, ay); az = SEL(mine, tz, az);
             drawn = SELI(mine, lsplat(k), drawn);
         }
     }
-    m &= GT(aimed, splat(0.0));
+    m &= GT(seen, splat(0.0));
     if (!ANY(m)) return;
-    for (long k = 0; k < (long)launch->n_targets; k++) {
+    const mask sent = m & IGE(drawn, lsplat(0L));
+    for (long k = 0; launch->n_targets > 1 && k < (long)launch->n_targets; k++) {
         // what was drawn at a target's edge counts as met, wherever rounding put it
-        const mask other = m & INE(drawn, lsplat(k));
+        const mask other = sent & INE(drawn, lsplat(k));
         if (!ANY(other)) continue;
         __global const double *t = targets + k * ${stride};
         const sight_t s = see_target(t, c, upx, upy, upz);
-        density += SEL(other & s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, x, y, z), splat(0.0));
+        aimed += SEL(other & s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, ax, ay, az), splat(0.0));
     }
+    x = SEL(sent, ax, x); y = SEL(sent, ay, y); z = SEL(sent, az, z);
+    density = SEL(sent, aimed, density);
     const real by_surface = density_scattered(launch, scene, p, h, c, m, row, x, y, z);
-    const real both = fma(a, ${point("importance.mixture", "density")}, fma(-a, aimed, splat(1.0)) * by_surface);
+    const real both = fma(a, ${point("importance.mixture", "density")}, fma(-a, seen, splat(1.0)) * by_surface);
     // a direction that the surface never takes has no weight: the ray ends
     const real ratio = SEL(GT(by_surface, splat(0.0)), by_surface / both, splat(0.0));
     // where the surface's own draw led nowhere, nothing goes on unless another direction was drawn
-    const mask goes = WEIGHT_GT(w, weight_splat(0.0)) | IGE(drawn, lsplat(0L));
+    const mask goes = WEIGHT_GT(w, weight_splat(0.0)) | sent;
     const weight after = SEL_WEIGHT(goes, outcome->drawn_w * TO_WEIGHT(${point("importance.ratio", "ratio")}), weight_splat(0.0));
     const image_t lost = image_difference(image_of(w), ${point("importance.booked", "image_of(after)")});
     book_row(launch, ledger, ROW_IMPORTANCE_BALANCE, m, lost);

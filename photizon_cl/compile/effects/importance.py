@@ -11,7 +11,7 @@ from hostcode.program.spec import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.compile.layout import LedgerRow
 from photizon_cl.geometry.placing import moved
-from photizon_cl.geometry.targets import target_of
+from photizon_cl.geometry.targets import BALL, RING, target_of
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
@@ -92,7 +92,12 @@ class Importance(Effect):
                 ("n_targets", "ulong", "their number"),
             ),
             densities=True,
-            parameters=(("target_numbers", len(_TARGET)),),
+            parameters=(
+                ("target_numbers", len(_TARGET)),
+                ("target_ring", RING),
+                ("target_ball", BALL),
+                *_TARGET.constants(0).items(),
+            ),
         )
 
     def assemble(self, draft: Draft) -> None:
