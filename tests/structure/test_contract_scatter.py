@@ -27,8 +27,6 @@ from photizon_cl.scene.registry import ELEMENTS, SURFACES
 ALPHA = 1e-6
 RAYS = 1 << 14
 N_MU, N_PHI, FINE = 8, 12, 24
-ALONG = (0.0, math.sin(math.radians(20.0)), -math.cos(math.radians(20.0)))
-"""Where the beam goes, onto a plate across z."""
 SCATTERING = [kind for kind, cls in SURFACES.items() if cls.scatters]
 
 
@@ -99,7 +97,7 @@ def density(optics, ways) -> np.ndarray:
     element = plate(optics).element[0]
     made = compiled(replace(plate(optics), importance=pz.Importance(toward=[element.name]))).tables
     body = _BODY.replace("KERNEL", type(optics).kernel)
-    given = np.vstack([ALONG, ways])
+    given = np.vstack([plate(optics).source[0].frame[2], ways])
     materials = np.ascontiguousarray(made.materials)
     *_, found = run_text(body, [materials, given, np.zeros(len(ways))], len(ways), spec=made.spec)
     return found
