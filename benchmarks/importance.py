@@ -173,8 +173,8 @@ def sphere(report: Report, python: str | None, rounds: int) -> tuple[dict[str, A
         about = next(iter(others.values())).about
         report.say(
             f"Mitsuba {about['mitsuba']} ({about['variant']}) needs for what was reflected "
-            f"{best / reflected:.1f} times as long as photizon_cl does, and {best / whole:.2f} times "
-            "as long as that does for all that arrives"
+            f"{best / reflected:.1f} times as long as photizon_cl does, and "
+            f"{best / whole:.2f} times as long as that does for all that arrives"
         )
     data = {name: dataclasses.asdict(found) for name, found in got.items()}
     return {"rounds": rounds, "samples": data}, max(reflected, whole) <= best
