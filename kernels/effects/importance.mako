@@ -96,7 +96,7 @@ FN real density_target(__global const double *t, const sight_t *s, real x, real 
         return SEL(meets, R(0x1.45f306dc9c883p-3) / s->height, splat(0.0));
     }
     const real along = dot3(x, y, z, splat(t[TARGET_NX]), splat(t[TARGET_NY]), splat(t[TARGET_NZ]));
-    const real r = s->height / along;
+    const real k = R(1.0) / along, r = s->height * k;
     const real p = fma(r, dot3(x, y, z, splat(t[TARGET_UX]), splat(t[TARGET_UY]), splat(t[TARGET_UZ])),
                        -dot3(s->x, s->y, s->z, splat(t[TARGET_UX]), splat(t[TARGET_UY]), splat(t[TARGET_UZ])));
     const real q = fma(r, dot3(x, y, z, splat(t[TARGET_VX]), splat(t[TARGET_VY]), splat(t[TARGET_VZ])),
@@ -108,7 +108,7 @@ FN real density_target(__global const double *t, const sight_t *s, real x, real 
     } else {
         meets &= LE(fabs(p), splat(t[TARGET_A])) & LE(fabs(q), splat(t[TARGET_B]));
     }
-    return SEL(meets, r * r * R(t[TARGET_PER_AREA]) / fabs(along), splat(0.0));
+    return SEL(meets, r * r * R(t[TARGET_PER_AREA]) * fabs(k), splat(0.0));
 }
 
 // The density with which surfaces send a ray into a direction.
@@ -127,13 +127,14 @@ FN real density_scattered(const launch_t *launch, const scene_t *scene, const pa
 
 FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t *p, const hit_t *h,
                     const contact_t *c, ledger_t *ledger, lint row, outcome_t *outcome) {
+    // the weight over the heaviest that it may become
 % if "launched" in ray_real:
-    const weight heaviest = p->launched * WT(HEAVIEST);
+    const weight part = outcome->drawn_w / (p->launched * WT(HEAVIEST));
 % else:
-    const weight heaviest = weight_splat(HEAVIEST);
+    const weight part = outcome->drawn_w * WT(1.0 / HEAVIEST);
 % endif
     // the chance a, at most as large as weights allow
-    const real a = fmin(splat(launch->toward_fraction), TO_REAL(weight_splat(1.0) - outcome->drawn_w / heaviest));
+    const real a = fmin(splat(launch->toward_fraction), TO_REAL(weight_splat(1.0) - part));
     mask m = outcome->drawn & WEIGHT_GT(outcome->drawn_w, weight_splat(0.0)) & GT(a, splat(0.0));
     if (!ANY(m)) return;
 % if pairs:
@@ -168,7 +169,7 @@ FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t
         const mask mine = m & s.seen & GE(choice, splat(t[TARGET_FIRST])) & LT(choice, splat(t[TARGET_END]));
         if (ANY(mine)) {
             real tx, ty, tz;
-            const real again = clamp((choice - R(t[TARGET_FIRST])) / R(t[TARGET_SHARE]), splat(0.0), splat(1.0));
+            const real again = clamp((choice - R(t[TARGET_FIRST])) * R(t[TARGET_PER_SHARE]), splat(0.0), splat(1.0));
             const real own = draw_target(t, &s, again, v, &tx, &ty, &tz);
             aimed = SEL(mine, R(t[TARGET_SHARE]) * own, aimed);
             ax = SEL(mine, tx, ax); ay = SEL(mine, ty, ay); az = SEL(mine, tz, az);

@@ -48,7 +48,7 @@ def row(shape, centre, frame, a, b, side=0):
     reach = math.hypot(a, b) if shape == SQUARE else a
     per_area = 1.0 / area if area else 0.0
     what = [a, b, per_area, reach, side, shape]
-    return np.array([*centre, *np.ravel(frame), *what, 1.0, 0.0, 1.0])
+    return np.array([*centre, *np.ravel(frame), *what, 1.0, 1.0, 0.0, 1.0])
 
 
 def drawn(target, place, up=(0.0, 0.0, 1.0), n=64):

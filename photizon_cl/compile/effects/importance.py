@@ -32,6 +32,7 @@ _TARGET = Row(
     ("side", "", "1 or −1 where only that side counts, else 0"),
     ("shape", "", "SQUARE, RING or BALL of photizon_cl/geometry/targets.py"),
     ("share", "", "part of what is sent towards targets"),
+    ("per_share", "", "1 over that"),
     ("first", "", "sum of the shares before it"),
     ("end", "", "sum of the shares up to it, 1 of the last one"),
 )
@@ -116,6 +117,7 @@ class Importance(Effect):
                 "vz": vz, "nx": nx, "ny": ny, "nz": nz, "a": target.a, "b": target.b,
                 "per_area": 1.0 / target.area if target.area else 0.0, "reach": target.reach,
                 "side": float(target.side), "shape": float(target.shape), "share": share,
+                "per_share": 1.0 / share,
                 "first": first, "end": end,
             }  # fmt: skip
             rows.append(_TARGET.pack(values))
