@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from photizon_cl.run.simulation import trace as trace
     from photizon_cl.scene.detectors.detector import Detector as Detector
     from photizon_cl.scene.files import load as load
+    from photizon_cl.scene.importance import Importance as Importance
     from photizon_cl.scene.model import Scene as Scene
     from photizon_cl.scene.presets import presets as presets
     from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
@@ -76,6 +77,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "Scene": "photizon_cl.scene.model",
     "RunSettings": "photizon_cl.scene.settings",
     "FarField": "photizon_cl.scene.settings",
+    "Importance": "photizon_cl.scene.importance",
     "Detector": "photizon_cl.scene.detectors.detector",
     # what can go wrong
     "PhotizonError": "photizon_cl.errors",

@@ -16,6 +16,7 @@ __all__ = [
     "BASE_RAY",
     "ENDING_TYPES",
     "HIT_TYPES",
+    "LAUNCHED",
     "RAY_TYPES",
     "REALS",
     "EndingField",
@@ -141,6 +142,9 @@ BASE_RAY: Final[tuple[RayField, ...]] = (
     RayField("generation", "word", "wsplat(0u)", "surface interactions so far"),
 )
 """What every ray carries."""
+
+LAUNCHED: Final = RayField("launched", "weight", "w", "weight as launched", "weight_splat(0.0)")
+"""What a ray carries where its launched weight matters; several effects may bring it."""
 
 BASE_HIT: Final[tuple[HitField, ...]] = (
     HitField("t", "real", "distance in m, infinite where nothing is met"),

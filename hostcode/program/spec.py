@@ -114,6 +114,8 @@ class SurfaceKind:
         Whether meeting it is an interaction; else a ray passes as if nothing were there.
     refracts : bool
         Whether it is the border of two media.
+    scatters : bool
+        Whether a ray goes on in a direction drawn from a density that its file has.
     libraries : tuple of str
         Kernel templates that its file needs before it, rendered once a program.
     """
@@ -125,6 +127,7 @@ class SurfaceKind:
     splits: bool = False
     counts: bool = True
     refracts: bool = False
+    scatters: bool = False
     libraries: tuple[str, ...] = ()
 
 
@@ -223,6 +226,8 @@ class EffectParts:
         Whether each ray is searched for by itself, so that packets have one lane.
     orders : bool
         Whether a second search puts faces in one place in order (kernels/lib/nearest.mako).
+    densities : bool
+        Whether it asks surfaces for the density of what they scatter.
     parameters : tuple of (str, int)
         Counts that the templates ask for.
     """
@@ -242,6 +247,7 @@ class EffectParts:
     keyed: bool = False
     one_by_one: bool = False
     orders: bool = False
+    densities: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
 
     def for_tally(self) -> EffectParts:
@@ -403,6 +409,11 @@ class ProgramSpec:
         return any(part.orders for part in self.parts)
 
     @property
+    def densities(self) -> bool:
+        """Whether surfaces are asked for the density of what they scatter."""
+        return any(part.densities for part in self.parts)
+
+    @property
     def recorded(self) -> frozenset[str]:
         """What is recorded for the tally stage."""
         return frozenset(what for part in self.parts for what in part.records)
@@ -414,8 +425,8 @@ class ProgramSpec:
 
     @property
     def ray_fields(self) -> tuple[RayField, ...]:
-        """What a ray carries."""
-        return BASE_RAY + tuple(field for part in self.parts for field in part.ray)
+        """What a ray carries; what several effects bring, once."""
+        return BASE_RAY + tuple(dict.fromkeys(field for part in self.parts for field in part.ray))
 
     @property
     def hit_fields(self) -> tuple[HitField, ...]:

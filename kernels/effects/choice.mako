@@ -28,5 +28,10 @@ FN void choose(const launch_t *launch, const packet_t *p, const contact_t *c, le
         outcome->went_plus = SELM(second, c->came_plus, outcome->went_plus);
         outcome->splits = NO_LANES;
         outcome->w = SEL_WEIGHT(both, ${point("choice.weight", "w")}, outcome->w);
+% if densities:
+        outcome->drawn &= ~both | ~(second ^ outcome->drawn_second);
+        outcome->drawn_second &= ~both;
+        outcome->drawn_w = SEL_WEIGHT(both, outcome->w, outcome->drawn_w);
+% endif
     }
 }

@@ -8,7 +8,13 @@ FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met
 % else:
     const weight floor_weight = weight_splat(launch->roulette_floor);
 % endif
+% if "ratio" in ray_real:
+    // what it would weigh where no ray is sent towards anything; one that is heavier for that is not played
+    // for sooner, so that none comes out more than twice as heavy as it was launched
+    const mask low = p->alive & met & WEIGHT_LT(p->w, ${point("roulette.aimed", "floor_weight * fmin(p->ratio, weight_splat(1.0))")});
+% else:
     const mask low = p->alive & met & WEIGHT_LT(p->w, floor_weight);
+% endif
     if (ANY(low)) {
         real u, v;
         draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_ROULETTE,

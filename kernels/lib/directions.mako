@@ -1,3 +1,4 @@
+## densities
 // Directions in which surfaces send rays on.
 
 // d - 2 (d.n) n, with unit length.
@@ -19,3 +20,11 @@ FN void scatter_diffusely(ulong seed, const packet_t *p, const contact_t *c, rea
     about_normal(c->nx * side, c->ny * side, c->nz * side,
                  sin_theta * t, sin_theta * s, ${point("directions.cosine", "sqrt(R(1.0) - u)")}, x, y, z);
 }
+% if densities:
+
+// The density of that, cos theta / pi per steradian; 0 into the surface.
+FN real diffuse_density(const contact_t *c, real x, real y, real z) {
+    const real side = SEL(c->came_plus, splat(1.0), splat(-1.0));
+    return fmax(side * dot3(x, y, z, c->nx, c->ny, c->nz), splat(0.0)) * R(${point("directions.density", "0x1.45f306dc9c883p-2")});
+}
+% endif

@@ -1,5 +1,5 @@
 ## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes, events (whether
-## what happened is asked for)
+## what happened is asked for), densities (whether that of what scatters is)
 // What a surface is told of a ray that meets it, and what it answers.
 //
 // Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
@@ -60,6 +60,13 @@ typedef struct {
     word second_event;
 % endif
 % endif
+% if densities:
+    mask drawn, drawn_second;   // lanes in which a ray has a direction that was drawn, and the second one has
+    weight drawn_w;             // its weight, whichever direction it takes
+% if "ratio" in ray_real:
+    weight ratio;               // by how much that was multiplied for the direction
+% endif
+% endif
 } outcome_t;
 
 FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
@@ -79,6 +86,14 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
     o.event = wsplat(PASSED);
 % if pairs:
     o.second_event = wsplat(PASSED);
+% endif
+% endif
+% if densities:
+    o.drawn = NO_LANES;
+    o.drawn_second = NO_LANES;
+    o.drawn_w = weight_splat(0.0);
+% if "ratio" in ray_real:
+    o.ratio = weight_splat(1.0);
 % endif
 % endif
     return o;
@@ -109,5 +124,16 @@ FN void send_second(outcome_t *o, mask m, real dx, real dy, real dz, weight w, w
     o->second_event = SELW(m, event, o->second_event);
 % endif
     o->splits |= m;
+}
+% endif
+% if densities:
+
+// A ray's direction was drawn from the density that the surface's density_<kind> gives, and its weight would
+// be w in any other direction too.  second: lanes of m in which that is the second ray.  A lane of m in
+// which the draw led nowhere (no ray goes on, with a chance that the density leaves) belongs to m.
+FN void scattered(outcome_t *o, mask m, mask second, weight w) {
+    o->drawn |= m;
+    o->drawn_second |= m & second;
+    o->drawn_w = SEL_WEIGHT(m, w, o->drawn_w);
 }
 % endif

@@ -13,7 +13,8 @@
 ##            escaped: lanes that leave the scene; met: lanes of `found` that do not just pass;
 ##            element: its number in file order, of the lanes in `found`; takes: lanes whose element takes
 ##            what does not go on; before: the weight that arrives, as an image_t (limbs.mako) to be
-##            booked; outcome: what goes on (event.mako), with the packet's weight behind the surface;
+##            booked; row: the material's row of each lane; outcome: what goes on (event.mako), with the
+##            packet's weight behind the surface;
 ##            end: what is recorded, where anything is.  The ledger is booked already: a weight that is
 ##            changed in `outcome` is booked by the hook.
 ##   survive  (in survive) p: the packet at the start of its next segment, or the second ray of the lanes

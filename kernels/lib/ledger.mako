@@ -6,7 +6,7 @@
 // Few rows: partial sums per lane in registers, added to the batch's tally when the work-item
 // returns.  Many rows: added to the tally at once.  Either way the sums are exact integers.
 % for n, name in enumerate(ledger):
-#define ROW_${name.upper()} ${n}
+#define ROW_${name.upper().replace(".", "_")} ${n}
 % endfor
 
 typedef struct {

@@ -6,4 +6,13 @@ FN void meet_lambertian(const encounter_t *event, const material_t *material, ou
     scatter_diffusely(event->seed, p, event->c, &x, &y, &z);
     send_on(outcome, event->m, x, y, z, ${point("lambertian.weight", "p->w * weight_number(material, LAMBERTIAN_REFLECTANCE)")},
             wsplat(SCATTERED));
+% if densities:
+    scattered(outcome, event->m, NO_LANES, p->w * weight_number(material, LAMBERTIAN_REFLECTANCE));
+% endif
 }
+% if densities:
+
+FN real density_lambertian(const encounter_t *event, const material_t *material, real x, real y, real z) {
+    return diffuse_density(event->c, x, y, z);
+}
+% endif

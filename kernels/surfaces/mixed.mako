@@ -20,4 +20,13 @@ FN void meet_mixed(const encounter_t *event, const material_t *material, outcome
     send_second(outcome, event->m & specular & WEIGHT_GT(w_diffuse, weight_splat(0.0)), x, y, z, w_diffuse,
                 wsplat(SCATTERED));
 % endif
+% if densities:
+    scattered(outcome, event->m & WEIGHT_GT(w_diffuse, weight_splat(0.0)), specular, w_diffuse);
+% endif
 }
+% if densities:
+
+FN real density_mixed(const encounter_t *event, const material_t *material, real x, real y, real z) {
+    return diffuse_density(event->c, x, y, z);
+}
+% endif

@@ -66,6 +66,8 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
         line(f"precision: {mode.name}, {mode.what}")
     if scene.far_field is not None:
         line(f"far field: {_describe(scene.far_field)}; {_derived(scene.far_field)}")
+    if scene.importance is not None:
+        line(f"importance: {_describe(scene.importance)}")
     line(f"memory: {_memory(compiled)}")
     out.print()
     out.print(Text("sources", "bold"))

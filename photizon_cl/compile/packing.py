@@ -309,6 +309,7 @@ def surface_kinds(scene: Scene, kinds: Kinds, material_of: list[int]) -> tuple[S
             splits=made[kind].splits is not False,
             counts=made[kind].counts,
             refracts=made[kind].refracts,
+            scatters=made[kind].scatters,
             libraries=made[kind].libraries,
         )
         for n, kind in enumerate(sorted(rows))

@@ -159,6 +159,9 @@ class Ledger:
         The batches' largest |closure|, in watts.
     others : mapping of str to Estimate
         Rows that effects of the scene bring, by title; negative where weight was added.
+    names : mapping of str to str
+        Of those the ones whose names have parts (``group.row``), by title: the summary has them in
+        tables of their own, as it has what roulette took.
     """
 
     emitted: Estimate
@@ -169,6 +172,7 @@ class Ledger:
     closure: float
     worst_closure: float
     others: Mapping[str, Estimate] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return (
@@ -227,12 +231,19 @@ class Ledger:
                     if item not in ROWS
                 ),
             ),
+            names={item.title: item.name for item in layout.rows if "." in item.name},
         )
 
     def summary(self) -> dict[str, Any]:
         """Return the ledger as the summary holds it."""
         roulette = self.roulette
-        others = {title: row.summary() for title, row in self.others.items()}
+        others, grouped = {}, dict[str, dict[str, Any]]()
+        for title, row in self.others.items():
+            group, _, name = self.names.get(title, "").partition(".")
+            if name:
+                grouped.setdefault(group, {})[name] = row.summary()
+            else:
+                others[title] = row.summary()
         return {
             "emitted": self.emitted.summary(),
             "absorbed": {name: row.summary() for name, row in self.absorbed.items()},
@@ -243,6 +254,7 @@ class Ledger:
                 "balance": roulette.balance.summary(),
             },
             "depth_capped": self.depth_capped.summary(),
+            **grouped,
             "closure": self.closure,
             **({"others": others} if others else {}),
         }

@@ -8,8 +8,17 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, printable, show
-from photizon_cl.scene.described import REQUIRED, Accepts, Described, Known, Nested, NestedList
+from photizon_cl.scene.described import (
+    REQUIRED,
+    Accepts,
+    Described,
+    Known,
+    Nested,
+    NestedList,
+    parameters_of,
+)
 from photizon_cl.scene.elements import Element
+from photizon_cl.scene.importance import Importance, targets_of
 from photizon_cl.scene.parameter_paths import put_values
 from photizon_cl.scene.parameters import declare, free_text, unique_name
 from photizon_cl.scene.reader import SCHEMA, read_scene
@@ -50,6 +59,8 @@ class Scene(Described):
         How the scene is run by default.
     far_field : FarField, optional
         Bins for what escapes; None bins nothing.
+    importance : Importance, optional
+        Where scattered rays are sent more often; None sends them as their surfaces do.
     title : str, optional
         One line for people.
     notes : str, optional
@@ -79,13 +90,21 @@ class Scene(Described):
     far_field: FarField | None = field(
         default=None, metadata=declare(Nested(FarField, meaning="bins for what escapes"))
     )
+    importance: Importance | None = field(
+        default=None,
+        metadata=declare(
+            Nested(Importance, "the", meaning="where scattered rays are sent more often")
+        ),
+    )
     title: str = field(default="", metadata=free_text("one line for people"))
     notes: str = field(default="", metadata=free_text("free text"))
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
-        """Check names and shares across sources and elements."""
-        return between_objects(known.get("source") or (), known.get("element") or ())
+        """Check names and shares across sources and elements, and what is named elsewhere."""
+        elements = known.get("element") or ()
+        problems = between_objects(known.get("source") or (), elements)
+        return problems + targets_of(known.get(Importance.label), elements)
 
     @property
     def heading(self) -> str:
@@ -148,8 +167,10 @@ class Scene(Described):
             if getattr(self, item):
                 out[item] = getattr(self, item)
         out["run"] = self.run.to_table()
-        if self.far_field is not None:
-            out["far_field"] = self.far_field.to_table()
+        for item, parameter in parameters_of(Scene).items():
+            value = getattr(self, item)
+            if type(parameter) is Nested and item not in out and value is not None:
+                out[item] = value.to_table()
         out["source"] = [source.to_table() for source in self.source]
         if self.element:
             out["element"] = [element.to_table() for element in self.element]
@@ -166,6 +187,11 @@ class Scene(Described):
     def splitter(self) -> Element | None:
         """The first element whose surface makes two rays of one; None where there is none."""
         return next((element for element in self.element if element.surface.splits), None)
+
+    @property
+    def scatters(self) -> bool:
+        """Whether any surface sends a ray on in a direction drawn from a density."""
+        return any(element.surface.scatters for element in self.element)
 
     def splits(self, run: RunSettings | None = None) -> bool:
         """Say whether rays go on as two in this scene, run so; default `self.run`."""

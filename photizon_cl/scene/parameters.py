@@ -231,6 +231,42 @@ class Words(Parameter):
         return tuple(sorted(map(str, value)))
 
 
+class Names(Words):
+    """A list of different words that keeps its order, with one at least."""
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return "a list of one or more different names"
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        listed = [value] if isinstance(value, str) else value
+        if isinstance(listed, list | tuple) and not listed:
+            return self.refuse(value, path, problems, "it is empty")
+        known = super().read(listed, path, problems)
+        return BAD if known is BAD else tuple(map(str, listed))  # type: ignore[call-overload]
+
+
+class Numbers(Parameter):
+    """A list of numbers of one kind, of any length, read as a tuple."""
+
+    def __init__(self, expected: str, item: Parameter, *, meaning: str = "") -> None:
+        super().__init__(meaning)
+        self._expected = expected
+        self._item = item
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return self._expected
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        to_list = getattr(value, "tolist", None)  # a numpy array
+        listed = to_list() if callable(to_list) else value
+        if isinstance(listed, str | bytes) or not isinstance(listed, Sequence):
+            return self.refuse(value, path, problems)
+        items = [self._item.read(item, f"{path}[{i}]", problems) for i, item in enumerate(listed)]
+        return BAD if any(item is BAD for item in items) else tuple(items)
+
+
 class Name(Parameter):
     """A name: one printable line of at most 64 characters, in Unicode normal form C.
 
@@ -403,6 +439,17 @@ def flag(meaning: str) -> dict[str, Parameter]:
 def words(meaning: str) -> dict[str, Parameter]:
     """Declare a list of different words."""
     return declare(Words(meaning))
+
+
+def names(meaning: str) -> dict[str, Parameter]:
+    """Declare a list of different names, in an order that matters."""
+    return declare(Names(meaning))
+
+
+def shares(meaning: str) -> dict[str, Parameter]:
+    """Declare a list of positive numbers of which only the ratios count."""
+    item = Number("a positive number, from 1e-9 to 1e9", 1e-9, 1e9)
+    return declare(Numbers("a list of positive numbers, one for each name", item, meaning=meaning))
 
 
 def unique_name(meaning: str) -> dict[str, Parameter]:

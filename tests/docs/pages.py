@@ -161,7 +161,7 @@ class Runner:
             timeout=timeout_s,
             check=False,
         )
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 
 

@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
-from oracles import branching, chance, contacts, gates, kernels, packets, trails
+from oracles import aiming, branching, chance, contacts, gates, kernels, packets, trails
 from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, cube, matt, wall
 
@@ -473,6 +473,45 @@ MUTANTS = (
         trails.plate,
     ),
     Mutant("a path forgets what it met", {"path_table.trail": "trail"}, trails.plate),
+        'points of a target drawn by area, without the cosine',
+        {'importance.by_area': 'rr * R(t[TARGET_PER_AREA])'},
+        aiming.disk_over_a_plate,
+    ),
+    Mutant(
+        'the mixture has half of the targets',
+        {'importance.mixture': 'R(0.5) * density'},
+        aiming.disk_over_a_plate,
+    ),
+    Mutant(
+        'what is aimed keeps its weight',
+        {'importance.ratio': 'splat(1.0)'},
+        aiming.disk_over_a_plate,
+    ),
+    Mutant(
+        'what aiming takes is not booked',
+        {'importance.booked': 'image_of(w)'},
+        aiming.disk_over_a_plate,
+    ),
+    Mutant(
+        'a density of scattering that is too large',
+        {'directions.density': '0.5'},
+        aiming.disk_over_a_plate,
+    ),
+    Mutant(
+        'a cone that is denser in its middle',
+        {'importance.height': 'u * u'},
+        aiming.ball_over_a_plate,
+    ),
+    Mutant(
+        'weights that grow with every bounce',
+        {'importance.heaviest': '16.0'},
+        aiming.weights_are_bounded,
+    ),
+    Mutant(
+        'roulette ends what was aimed',
+        {'roulette.aimed': 'floor_weight'},
+        aiming.roulette_spares_what_is_aimed,
+    ),
 )  # fmt: skip
 
 

@@ -133,8 +133,8 @@ class Traced:
         layout, found = self.compiled.layout, []
         for cells in self.batches:
             rows = exact(cells[: layout.n_rows])
-            taken = sum(rows[: layout.n_elements + 1]) + rows[layout.depth_capped]
-            taken += rows[layout.killed] - rows[layout.boosted]
+            named = zip(layout.rows, rows[layout.n_elements :], strict=True)
+            taken = sum(rows[: layout.n_elements]) + sum(row.sign * n for row, n in named)
             found.append(Fraction(self.compiled.emitted - taken, self.compiled.emitted))
         return found
 

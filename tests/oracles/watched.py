@@ -88,6 +88,8 @@ def every_kind() -> dict[str, Any]:
         "name": "every kind",
         "run": {"roulette_floor": 0.05, "generation_cap": 6},
         "far_field": {"n_mu": 3, "n_phi": 4},
+        # a rectangle, a disk and a ball
+        "importance": {"toward": ["element 0", "element 1", "element 6"], "weights": [1, 2, 3]},
         "source": [
             {"name": f"source {n}", "flux": 1.0, "share": 1.0 + n, "position": [0.01, 0.02, 0.03]}
             | source

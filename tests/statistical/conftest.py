@@ -3,6 +3,7 @@
 import pathlib
 import sys
 
-_tests = str(pathlib.Path(__file__).resolve().parents[1])
-if _tests not in sys.path:
-    sys.path.insert(0, _tests)
+_tests = pathlib.Path(__file__).resolve().parents[1]
+for _folder in (str(_tests.parent), str(_tests)):  # scenes of benchmarks, shared references
+    if _folder not in sys.path:
+        sys.path.insert(0, _folder)

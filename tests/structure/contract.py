@@ -137,6 +137,7 @@ def everything() -> pz.Scene:
         name="everything",
         run=pz.RunSettings(generation_cap=60, roulette_floor=0.05),
         far_field=pz.FarField(n_mu=4, n_phi=6),
+        importance=pz.Importance(toward=[stand[0].name, stand[-1].name], fraction=0.25),
         source=tuple(sources),
         element=(*stand, room),
     )

@@ -43,6 +43,7 @@ LEFT = {
         "photizon_cl/result/recipe.py", "photizon_cl/scene/model.py",
         "photizon_cl/studies/knobs.py",
     },
+    "importance": {"photizon_cl/scene/importance.py"},
     "roulette": {
         "photizon_cl/result/ledger.py", "photizon_cl/result/paths.py",
         "photizon_cl/views/report/claims.py", "photizon_cl/views/report/tables.py",

@@ -51,6 +51,7 @@ def every_kind() -> pz.Scene:
         element=tuple(replace(e, name=f"element {n}") for n, e in enumerate(elements)),
         source=tuple(replace(s, name=f"source {n}") for n, s in enumerate(sources)),
         far_field=pz.FarField(n_mu=2, n_phi=2),
+        importance=pz.Importance(toward=[f"element {n}" for n in range(len(elements))]),
     )
 
 

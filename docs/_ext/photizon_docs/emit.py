@@ -26,8 +26,9 @@ def as_toml(scene: Scene) -> str:
     """Return a scene file without the defaults."""
     lines = [f'schema = "{SCHEMA}"', f"name = {_toml(scene.name)}"]
     lines += [f"{key} = {_toml(getattr(scene, key))}" for key in ("title",) if scene.title]
-    if scene.far_field is not None:
-        lines += ["", "[far_field]", *_entries(scene.far_field)]
+    for label in ("far_field", "importance"):
+        if getattr(scene, label) is not None:
+            lines += ["", f"[{label}]", *_entries(getattr(scene, label))]
     if _given(scene.run):
         lines += ["", "[run]", *_entries(scene.run)]
     for label, objects in (("source", scene.source), ("element", scene.element)):

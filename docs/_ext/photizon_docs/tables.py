@@ -11,6 +11,7 @@ from photizon_cl.errors import show
 from photizon_cl.scene.described import Nested, NestedList, default_of, parameters_of
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.frames import AXES, frame
+from photizon_cl.scene.importance import Importance
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import presets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
@@ -140,6 +141,7 @@ FRAGMENTS: dict[str, Callable[[], Any]] = {
     "scene": lambda: parameter_table(Scene),
     "run": lambda: parameter_table(RunSettings),
     "far-field": lambda: parameter_table(FarField),
+    "importance": lambda: parameter_table(Importance),
     "source": lambda: parameter_table(DirectedSource),
     "element": lambda: parameter_table(Element),
     "frames": _frames,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from hostcode.program.fields import RayField
+from hostcode.program.fields import LAUNCHED
 from hostcode.program.spec import EffectParts
 from photizon_cl.compile.effects.base import Effect
 
@@ -38,10 +38,9 @@ class Roulette(Effect):
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the play, and the launched weight that the floor is a fraction of."""
-        launched = RayField("launched", "weight", "w", "weight as launched", "weight_splat(0.0)")
         return EffectParts(
             # rays that all weigh 1 need not remember it
-            ray=(launched,) if draft.weights_differ else (),
+            ray=(LAUNCHED,) if draft.weights_differ else (),
             templates=(("survive", "effects/roulette"),),
             hooks=(("survive", "roulette(launch, p, ledger, met);"),),
             launch=(("roulette_floor", "double", "fraction of the launched weight"),),

@@ -40,6 +40,8 @@ class Surface(Described):
     """Whether as much goes from one direction into another as back (Helmholtz)."""
     draws: ClassVar[bool] = False
     """Whether it draws random numbers."""
+    scatters: ClassVar[bool] = False
+    """Whether a ray goes on in a direction drawn from a density, which its kernel then gives."""
     carries_detector: ClassVar[bool] = False
     """Whether what arrives may be counted."""
     colour: ClassVar[str] = "#000000"

@@ -32,6 +32,7 @@ class Lambertian(Surface):
     absorbs: ClassVar[bool] = True
     reflects: ClassVar[bool] = True
     draws: ClassVar[bool] = True
+    scatters: ClassVar[bool] = True
     colour: ClassVar[str] = "#cc79a7"
     label_text: ClassVar[str] = "diffuse reflector"
 

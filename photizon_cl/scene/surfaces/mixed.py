@@ -42,6 +42,7 @@ class Mixed(Surface):
     )
     reflects: ClassVar[bool] = True
     draws: ClassVar[bool] = True
+    scatters: ClassVar[bool] = True
     colour: ClassVar[str] = "#882255"
     label_text: ClassVar[str] = "mixed reflector"
 
