@@ -22,7 +22,8 @@ from photizon_cl.result.batch_values import MOST_VALUES
 from photizon_cl.result.checks import Checks, Scalar
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.ledger import Ledger, watts
-from photizon_cl.result.maps import DetectorResult, FarFieldResult
+from photizon_cl.result.far_field import FarFieldResult
+from photizon_cl.result.maps import DetectorResult
 from photizon_cl.result.stopping import Goal, achieved_sigma, relative_sigma
 from photizon_cl.result.tallies import EffectTally, effect_tallies
 from photizon_cl.scene.names import Table

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 from photizon_cl.errors import Problem, printable, show
 from photizon_cl.scene.described import REQUIRED, Accepts, Described, Known, Nested, NestedList
 from photizon_cl.scene.elements import Element
+from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.parameter_paths import put_values
 from photizon_cl.scene.parameters import declare, free_text, unique_name
 from photizon_cl.scene.reader import SCHEMA, read_scene
-from photizon_cl.scene.settings import FarField, RunSettings
+from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import Source
 from photizon_cl.scene.writing import save_scene
 

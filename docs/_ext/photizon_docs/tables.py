@@ -14,7 +14,8 @@ from photizon_cl.scene.frames import AXES, frame
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import presets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
-from photizon_cl.scene.settings import FarField, RunSettings
+from photizon_cl.scene.far_field import FarField
+from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import DirectedSource
 
 if TYPE_CHECKING:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.result.estimates import Estimates
-    from photizon_cl.result.maps import FarFieldResult
+    from photizon_cl.result.far_field import FarFieldResult
 
 __all__ = ["draw_far_field", "draw_far_field_cuts"]
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
-    from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
+    from photizon_cl.result.maps import DetectorResult, IrradianceMap
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = [

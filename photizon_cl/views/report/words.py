@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from photizon_cl.result.estimates import Estimates
-    from photizon_cl.result.maps import FarFieldResult, IrradianceMap
+    from photizon_cl.result.far_field import FarFieldResult
+    from photizon_cl.result.maps import IrradianceMap
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = ["describe"]
