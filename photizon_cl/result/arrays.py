@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from photizon_cl.result.estimates import Estimates
-    from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.far_field import FarFieldResult
+    from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import DetectorResult, IrradianceMap
     from photizon_cl.result.tallies import EffectTally
 

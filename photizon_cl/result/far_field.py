@@ -15,10 +15,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.far_field import FarField
 
-__all__ = ["FarFieldResult"]
+__all__ = ["FarFieldResult", "far_field_summary"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,7 +79,7 @@ class FarFieldResult:
 
     @property
     def axis_words(self) -> tuple[str, str, str]:
-        """u and v, between which φ runs, and the axis from which θ does, as people write them."""
+        """Directions between which φ runs, and the one from which θ does, as people write them."""
         world = "world " if not any(self.bins.tilt_deg) else ""
         u, v, axis = (f"{world}{direction_words(row)}" for row in self.bins.frame)
         return u, v, axis
@@ -96,11 +97,19 @@ class FarFieldResult:
             return None
         return float(np.median(self.sigma[lit] / self.intensity[lit]))
 
-    def summary(self) -> dict[str, Any]:
-        """Return what the summary says of the bins."""
-        rows = "n_theta" if self.by_theta else "n_mu"
-        n, n_phi = self.count.shape
-        return {rows: n, "n_phi": n_phi, "hatched_below": LIT_COUNT}
+    def curve(self) -> list[dict[str, Any]]:
+        """Return the rows of the first column as the summary holds them."""
+        known = not np.isnan(self.sigma).any()
+        edges, sigma = self.bins.edges_deg, self.sigma[:, 0]
+        return [
+            {
+                "theta_deg": [edges[j], edges[j + 1]],
+                "value": float(self.intensity[j, 0]),
+                "sigma": float(sigma[j]) if known else None,
+                "count": int(self.count[j, 0]),
+            }
+            for j in range(len(sigma))
+        ]
 
     @classmethod
     def of(cls, compiled: CompiledScene, tally: Accumulator, bins: FarField) -> FarFieldResult:
@@ -124,3 +133,18 @@ class FarFieldResult:
         closed(intensity, sigma, count, each)
         phi = 2.0 * np.pi * np.arange(n_phi + 1) / n_phi
         return cls(intensity, sigma, count, solid, mu, theta, phi, bins)
+
+
+def far_field_summary(result: Estimates) -> dict[str, Any]:
+    """Return what the summary says of the far field; nothing where there is none.
+
+    Where it is one curve over θ this has its rows; other bins are in the file.
+    """
+    bins = result.scene.far_field
+    if bins is None:
+        return {}
+    rows = {"n_theta" if bins.by_theta else "n_mu": bins.rows, "n_phi": bins.n_phi}
+    said: dict[str, Any] = {**rows, "hatched_below": LIT_COUNT}
+    if bins.by_theta and bins.n_phi == 1 and result.far_field is not None:
+        said["intensity"] = result.far_field.curve()
+    return {"far_field": said}

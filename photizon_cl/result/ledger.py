@@ -312,7 +312,8 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64] | 
     ------
     RunError
         Where the ledger does not close to `closure_limit`, the far field's total is not exactly
-        what escaped (or more, where it leaves directions out), or a detector shows more than its element absorbed.
+        what escaped (where it leaves directions out: is more), or a detector shows more than its
+        element absorbed.
     """
     layout = compiled.layout
     closure = closure_of(compiled, cells)

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.described import ABSENT, Accepts, Described
 from photizon_cl.scene.edges import even_edges
-from photizon_cl.scene.frames import frame, sincos_deg
+from photizon_cl.scene.frames import AXES, frame, sincos_deg
 from photizon_cl.scene.number_lists import Ascending
-from photizon_cl.scene.parameters import Choice, Integer, declare, integer, tilt
-from photizon_cl.scene.frames import AXES
+from photizon_cl.scene.parameters import Choice, declare, integer, tilt
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -24,9 +25,11 @@ if TYPE_CHECKING:
 __all__ = ["MAX_FAR_FIELD_BINS", "FarField"]
 
 MAX_FAR_FIELD_BINS: Final = 8192
-_USUAL_ROWS: Final = 40
+_USUAL_NO_TILT: Final[Any] = (0.0, 0.0)
+_ROWS: Final = 40
 _CLOSEST: Final = 1e-9
 """Degrees between edges at least: a direction of doubles is known to some 1e-14."""
+_NO_TILT: Final[Any] = (0.0, 0.0)
 _ROWS: Final = ("n_mu", "n_theta", "theta_edges_deg")
 """Parameters that say what the rows are; one of them is given at most."""
 
@@ -72,7 +75,7 @@ class FarField(Described):
         default="+z", metadata=declare(_Axis(AXES, meaning="where θ is 0; φ from its u towards v"))
     )
     tilt_deg: Accepts[Sequence[float], tuple[float, float]] = field(
-        default=(0.0, 0.0), metadata=tilt()
+        default=_NO_TILT, metadata=tilt()
     )
     n_mu: int | None = field(
         default=None,
@@ -149,11 +152,18 @@ class FarField(Described):
         return len(self.edges_deg) - 1 if self.n_mu is None else self.n_mu
 
     @property
+    def rows_by(self) -> str:
+        """What makes the rows as many as they are, as advice names it."""
+        if self.theta_edges_deg is not None:
+            return "the number of far_field.theta_edges_deg"
+        return "far_field.n_theta" if self.by_theta else "far_field.n_mu"
+
+    @property
     def whole(self) -> bool:
         """Whether every direction is in a bin."""
         return self.n_mu is not None or self.edges_deg[:: self.rows] == (0.0, 180.0)
 
-    @property
+    @cached_property
     def solid_angles(self) -> tuple[float, ...]:
         """Solid angle of a bin of each row in steradians.
 
@@ -165,22 +175,18 @@ class FarField(Described):
         unit, edges = 4.0 * math.pi / self.n_phi, self.edges_deg
         return tuple(
             unit * sincos_deg(0.5 * (a + b))[0] * sincos_deg(0.5 * (b - a))[0]
-            for a, b in zip(edges, edges[1:], strict=False)
+            for a, b in pairwise(edges)
         )
 
     def single(self) -> FarField:
         """Return one bin for everything, which the same program counts."""
-        rows = {"n_theta": 1} if self.by_theta else {"n_mu": 1}
-        return replace(self, n_phi=1, **{**dict.fromkeys(_ROWS), **rows})
+        if self.by_theta:
+            return replace(self, n_theta=1, theta_edges_deg=None, n_phi=1)
+        return replace(self, n_mu=1, n_phi=1)
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the solid angle of a bin, or where bins begin and end and of what sizes they are."""
+        """Return the solid angle of a bin: of the smallest and the largest where they differ."""
         if not self.by_theta:
             return {"bin solid angle": (self.solid_angles[0], "sr")}
-        return {
-            "bins": (self.rows * self.n_phi, ""),
-            "θ from": (self.edges_deg[0], "deg"),
-            "to": (self.edges_deg[-1], "deg"),
-            "smallest bin": (min(self.solid_angles), "sr"),
-            "largest": (max(self.solid_angles), "sr"),
-        }
+        smallest, largest = min(self.solid_angles), max(self.solid_angles)
+        return {"smallest bin": (smallest, "sr"), "largest bin": (largest, "sr")}

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from photizon_cl.errors import show
+from photizon_cl.errors import Problem, show
 from photizon_cl.scene.parameters import BAD, Number, Parameter
-
-if TYPE_CHECKING:
-    from photizon_cl.errors import Problem
 
 __all__ = ["Ascending"]
 
@@ -63,7 +60,7 @@ class Ascending(Parameter):
         if not self._least <= len(listed) <= self._most:
             there = f"{len(listed)} number" + "s" * (len(listed) != 1)
             return self.refuse(there, path, problems)
-        found = []
+        found: list[float] = []
         for i, item in enumerate(listed):
             number = self._item.read(item, f"{path}[{i}]", problems)
             if number is BAD:
@@ -79,8 +76,6 @@ class Ascending(Parameter):
         hint = "they ascend, and none stands twice"
         if number > before:
             hint = f"closer than {self._closest:g} they are not told apart"
-        from photizon_cl.errors import Problem
-
         expected = f"a number above {show(before)}, which stands before it"
         problems.append(Problem(f"{path}[{i}]", show(number), expected, hint=hint))
         return BAD
