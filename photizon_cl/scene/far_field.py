@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["MAX_FAR_FIELD_BINS", "FarField"]
 
 MAX_FAR_FIELD_BINS: Final = 8192
-_USUAL_NO_TILT: Final[Any] = (0.0, 0.0)
-_ROWS: Final = 40
+_USUAL_ROWS: Final = 40
 _CLOSEST: Final = 1e-9
 """Degrees between edges at least: a direction of doubles is known to some 1e-14."""
 _NO_TILT: Final[Any] = (0.0, 0.0)

@@ -241,6 +241,31 @@ def far_field_bins() -> None:
     assert (found.far_field_counts == want).all()
 
 
+EDGES = (0.0, 1e-7, 0.01, 3.0, 45.0, 89.999, 90.0, 120.0, 179.99)
+"""Degrees."""
+
+
+def far_field_edges(axis: str = "-z") -> None:
+    """A beam on an edge in θ belongs above it, one that is 16 roundings below it below it.
+
+    Four roundings are what frame, normalisation and products may amount to.
+    """
+    sources, want = [], np.zeros((len(EDGES) - 1, 4), np.int64)
+    for k, edge in enumerate(EDGES):
+        for column, turn in enumerate(((0, 1), (-1, 0), (0, -1), (1, 0))):
+            for angle, row in ((edge * (1.0 - 2.0**-49), k - 1), (edge * (1.0 + 2.0**-49), k)):
+                if not edge:
+                    row, column = 0, 0
+                if row < 0 or row >= len(want):
+                    continue
+                want[row, column] += 1
+                tilt = [sign * angle for sign in turn]
+                sources.append(beam((0, 0, 0), axis, tilt_deg=tilt, radius=1e-9))
+    far_field = {"axis": axis, "theta_edges_deg": EDGES, "n_phi": 4}
+    found = trace(scene_of(sources, [], far_field=far_field), rays_per_batch=len(sources))
+    assert (found.far_field_counts == want).all()
+
+
 def one_sided_detectors() -> None:
     """A detector counts only arrivals at the side it faces; the ledger counts both."""
     for kind, axis, side in (
