@@ -59,7 +59,8 @@ class Ascending(Parameter):
             return self.refuse(value, path, problems, "write them in brackets")
         if not self._least <= len(listed) <= self._most:
             there = f"{len(listed)} number" + "s" * (len(listed) != 1)
-            return self.refuse(there, path, problems)
+            problems.append(Problem(path, there, self.expected))
+            return BAD
         found: list[float] = []
         for i, item in enumerate(listed):
             number = self._item.read(item, f"{path}[{i}]", problems)

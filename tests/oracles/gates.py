@@ -246,14 +246,18 @@ EDGES = (0.0, 1e-7, 0.01, 3.0, 45.0, 89.999, 90.0, 120.0, 179.99)
 
 
 def far_field_edges(axis: str = "-z") -> None:
-    """A beam on an edge in θ belongs above it, one that is 16 roundings below it below it.
+    """A beam 16 roundings above an edge in θ is above it, one as much below it is below it.
 
-    Four roundings are what frame, normalisation and products may amount to.
+    So few are what frame, normalisation and products may amount to. At 45° and 90° there are none,
+    and a beam on the edge itself is above it.
     """
     sources, want = [], np.zeros((len(EDGES) - 1, 4), np.int64)
     for k, edge in enumerate(EDGES):
         for column, turn in enumerate(((0, 1), (-1, 0), (0, -1), (1, 0))):
-            for angle, row in ((edge * (1.0 - 2.0**-49), k - 1), (edge * (1.0 + 2.0**-49), k)):
+            near = [(edge * (1.0 - 2.0**-49), k - 1), (edge * (1.0 + 2.0**-49), k)]
+            if edge in (45.0, 90.0):
+                near.append((edge, k))
+            for angle, row in near:
                 if not edge:
                     row, column = 0, 0
                 if row < 0 or row >= len(want):
