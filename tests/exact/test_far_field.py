@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from oracles import gates
-from oracles.engine import compiled, scene_of, trace
+from oracles.engine import PLAN, compiled, scene_of, trace, trace_compiled
 from oracles.scenes import AXES, beam
 
 import photizon_cl as pz
@@ -144,3 +144,31 @@ def test_a_batch_that_puts_more_into_bins_than_escaped_is_told():
                 check_batch(made, 0, cells)
         else:
             check_batch(made, 0, cells)
+
+
+def test_bins_are_the_same_however_it_is_run():
+    lamp = {**LAMP, "axis": "-x"}
+    board = {
+        "kind": "disk", "position": [-0.2, 0, 0], "axis": "+x", "radius": 0.15,
+        "surface": {"kind": "lambertian", "reflectance": 0.5},
+    }  # fmt: skip
+    far_field = {"axis": "-x", "theta_edges_deg": [1e-3, 0.1, 3, 30, 120], "n_phi": 3}
+    made = compiled(scene_of([lamp], [board], far_field=far_field), rays_per_batch=2048)
+    want = trace_compiled(made, 2).digest
+    for choice in (
+        {"tally_copies": 0}, {"lanes": 1, "tally_copies": 2}, {"composition": "classical"},
+    ):  # fmt: skip
+        assert trace_compiled(made, 2, plan=PLAN.with_(**choice)).digest == want, choice
+
+
+@pytest.mark.parametrize("precision", ["mixed", "fp32"])
+def test_single_precision_bins_what_it_traced(precision):
+    """Bins of doubles, directions rounded to floats: the same rays but for some at the edges."""
+    tables = {
+        "schema": "photizon/1", "name": "lamp", "source": [{**LAMP, "axis": "-z", "name": "lamp"}],
+        "far_field": {"axis": "-z", "theta_edges_deg": [0, 20, 50, 90], "n_phi": 2},
+    }  # fmt: skip
+    want = pz.trace(tables, batches=1, rays_per_batch=4096)
+    found = pz.trace(tables, batches=1, rays_per_batch=4096, precision=precision)
+    assert np.abs(found.far_field.count - want.far_field.count).max() <= 2
+    assert found.far_field.power == found.ledger.escaped.value == 1.0
