@@ -137,7 +137,7 @@ class FarField(Described):
         """Whether rows ascend in θ; else in cos θ, from −1."""
         return self.n_mu is None
 
-    @property
+    @cached_property
     def edges_deg(self) -> tuple[float, ...]:
         """Edges of the bins in θ in degrees, ascending; where the rows are bins in θ."""
         if self.theta_edges_deg is not None:

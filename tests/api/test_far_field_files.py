@@ -101,6 +101,18 @@ def test_the_report_shows_the_curve(folder, whole):
     assert not (folder / "figures" / "far-field.png").exists()
 
 
+def test_a_run_prints_the_curve_where_it_is_not_long(folder, whole, tmp_path, capsys):
+    command = ["run", str(folder / "scene.toml"), "--batches", "2"]
+    assert main(command) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    (row,) = [line for line in lines if line[:4] == ["θ", "20°", "–", "60°"]]
+    half = pz.trace(TABLES, batches=2).far_field
+    assert row[-1] == str(half.count[3, 0])
+    assert float(row[4]) == pytest.approx(half.intensity[3, 0], rel=0.05)
+    assert main([*command, "--set", "far_field.n_theta=60"]) == 0
+    assert "far field  " not in capsys.readouterr().out
+
+
 def test_check_says_where_the_bins_are(folder, capsys):
     assert main(["check", str(folder / "scene.toml"), "--no-pilot"]) == 0
     said = " ".join(capsys.readouterr().out.split())

@@ -155,13 +155,11 @@ def test_bins_are_the_same_however_it_is_run():
     far_field = {"axis": "-x", "theta_edges_deg": [1e-3, 0.1, 3, 30, 120], "n_phi": 3}
     made = compiled(scene_of([lamp], [board], far_field=far_field), rays_per_batch=2048)
     want = trace_compiled(made, 2).digest
-    for choice in (
-        {"tally_copies": 0}, {"lanes": 1, "tally_copies": 2}, {"composition": "classical"},
-    ):  # fmt: skip
+    for choice in ({"tally_copies": 0}, {"lanes": 1, "tally_copies": 2}):
         assert trace_compiled(made, 2, plan=PLAN.with_(**choice)).digest == want, choice
 
 
-@pytest.mark.parametrize("precision", ["mixed", "fp32"])
+@pytest.mark.parametrize("precision", [pytest.param("mixed", marks=pytest.mark.slow), "fp32"])
 def test_single_precision_bins_what_it_traced(precision):
     """Bins of doubles, directions rounded to floats: the same rays but for some at the edges."""
     tables = {
