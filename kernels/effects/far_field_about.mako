@@ -13,7 +13,7 @@ FN int polar_bin(__global const double *edges, int n, double along, double acros
     int low = 0, high = n - 1;
     while (low < high) {
         const int k = (low + high + 1) / 2;
-        if (${point("far_field.passed", "edges[2 * k] * across >= edges[2 * k + 1] * along")}) low = k;
+        if (${point("far_field_about.passed", "edges[2 * k] * across >= edges[2 * k + 1] * along")}) low = k;
         else high = k - 1;
     }
     return low;

@@ -334,12 +334,12 @@ MUTANTS = (
     ),
     Mutant(
         'a direction on an edge in theta belongs below it',
-        {'far_field.passed': 'edges[2 * k] * across > edges[2 * k + 1] * along'},
+        {'far_field_about.passed': 'edges[2 * k] * across > edges[2 * k + 1] * along'},
         gates.far_field_edges,
     ),
     Mutant(
         'edges in theta by their cosines alone',
-        {'far_field.passed': 'edges[2 * k] >= along'},
+        {'far_field_about.passed': 'edges[2 * k] >= along'},
         gates.far_field_edges,
     ),
     Mutant(
