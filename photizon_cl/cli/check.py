@@ -179,7 +179,8 @@ def _describe(item: Described) -> str:
             continue
         if parameter.silent and value == default_of(type(item), name):
             continue
-        if value in (0.0, (0.0, 0.0)) and default_of(type(item), name) == value and item.kind:
+        zero = value == (0.0, 0.0) or (value == 0.0 and item.kind)
+        if zero and default_of(type(item), name) == value:
             continue
         unit = parameter.unit
         value = str(value).lower() if isinstance(value, bool) else value
