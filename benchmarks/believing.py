@@ -41,8 +41,9 @@ EXPECTED: Final = (4, 9, 30)
 """Bright arrivals that a run has on average."""
 BATCHES: Final = (8, 20, 60)
 HEALTHY: Final = (
-    "baffled-tube", "box-room", "cassegrain", "cosine-fourth", "cpc-concentrator",
-    "integrating-sphere", "lambertian-sphere", "plano-convex-condenser", "square-lightpipe",
+    "baffled-telescope", "baffled-tube", "box-room", "cassegrain", "cosine-fourth",
+    "cpc-concentrator", "integrating-sphere", "lambertian-sphere", "plano-convex-condenser",
+    "square-lightpipe",
 )  # fmt: skip
 GOALS: Final[tuple[dict[str, Any], ...]] = (
     {"batches": 8, "rays_per_batch": 4096},

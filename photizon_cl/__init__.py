@@ -41,12 +41,12 @@ if TYPE_CHECKING:
     from photizon_cl.run.simulation import resume as resume
     from photizon_cl.run.simulation import trace as trace
     from photizon_cl.scene.detectors.detector import Detector as Detector
+    from photizon_cl.scene.far_field import FarField as FarField
     from photizon_cl.scene.files import load as load
     from photizon_cl.scene.importance import Importance as Importance
     from photizon_cl.scene.model import Scene as Scene
     from photizon_cl.scene.presets import presets as presets
     from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
-    from photizon_cl.scene.settings import FarField as FarField
     from photizon_cl.scene.settings import RunSettings as RunSettings
     from photizon_cl.studies.costing import cost as cost
     from photizon_cl.studies.effects import effects as effects
@@ -76,7 +76,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     # what goes in, besides the kinds
     "Scene": "photizon_cl.scene.model",
     "RunSettings": "photizon_cl.scene.settings",
-    "FarField": "photizon_cl.scene.settings",
+    "FarField": "photizon_cl.scene.far_field",
     "Importance": "photizon_cl.scene.importance",
     "Detector": "photizon_cl.scene.detectors.detector",
     # what can go wrong

@@ -87,6 +87,8 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
     for element in scene.element:
         shape = (element.position, element.frame, element.faces)
         if shape in first:
+            if not element.surface.counts:  # what light passes lies before it, wherever it is named
+                continue
             yield (
                 f'element "{element.name}" has the very geometry of "{first[shape]}", which is '
                 f'named first and takes every hit: "{element.name}" is never hit'

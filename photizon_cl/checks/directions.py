@@ -2,12 +2,14 @@
 
 A random number in single precision is one of 2^24, so a source that sends all its rays from one
 point sends them in so many polar angles; what it sees under a part f of all directions has f 2^24
-of them. Where rays start from many points, or are scattered at many, that evens out.
+of them. Where rays start from many points, or are scattered at many, that evens out. What does not
+is that a direction is rounded: it may be counted beside an edge of the far field's bins.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.scene.elements.base import ROUNDOFF
@@ -21,10 +23,14 @@ __all__ = ["coarse_directions"]
 
 _TOLD: Final = 1e-4
 """Relative error from which on it is told, as of areas."""
+_ROUNDED: Final = 4.0
+"""Roundings of a direction, in radians."""
 
 
 def coarse_directions(scene: Scene, roundoff: float) -> Iterator[str]:
     """Give a sentence for each detector that a point source sees under too few directions.
+
+    And one for bins of the far field that are narrow beside a direction's rounding.
 
     Parameters
     ----------
@@ -35,6 +41,16 @@ def coarse_directions(scene: Scene, roundoff: float) -> Iterator[str]:
     """
     if roundoff == ROUNDOFF:
         return
+    far = scene.far_field
+    if far is not None and far.by_theta:
+        narrowest = min(b - a for a, b in pairwise(far.edges_deg))
+        wrong = _ROUNDED * roundoff / math.radians(narrowest)
+        if wrong > _TOLD:
+            yield (
+                f"far_field has bins of {narrowest:.3g} degrees, and in single precision "
+                f"directions are rounded to {math.degrees(_ROUNDED * roundoff):.1e}: what is in "
+                f"such a bin may be wrong by {min(wrong, 1.0):.1e}; run it in fp64"
+            )
     points = [source for source in scene.source if not source.draws_position]
     for element in scene.element:
         if element.detector is None:

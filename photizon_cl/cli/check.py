@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.cli.arguments import PRECISION, add_scene, load_scene, number
 
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
 
 __all__ = ["add_arguments", "call"]
+
+_MOST_NUMBERS: Final = 12
+"""Of a longer list the first ones and the last one are shown."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,7 +68,15 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
     if mode.single:
         line(f"precision: {mode.name}, {mode.what}")
     if scene.far_field is not None:
-        line(f"far field: {_describe(scene.far_field)}; {_derived(scene.far_field)}")
+        far = scene.far_field
+        line(f"far field: {_describe(far)}; {_derived(far)}")
+        u, v, axis = map(direction_words, far.frame)
+        if far.turned or far.by_theta:
+            line(f"θ is from {axis}, φ from {u} towards {v}", "    ")
+        if not far.whole:
+            first, last = far.edges_deg[0], far.edges_deg[-1]
+            text = f"what leaves outside θ = {first:.9g} … {last:.9g} deg escapes unbinned"
+            line(text, "    ")
     if scene.importance is not None:
         line(f"importance: {_describe(scene.importance)}")
     line(f"memory: {_memory(compiled)}")
@@ -148,7 +159,11 @@ def _number(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.9g}"
     if isinstance(value, tuple):
-        return "(" + ", ".join(map(_number, value)) + ")"
+        shown = [_number(item) for item in value]
+        if len(shown) > _MOST_NUMBERS:
+            shown[2:-1] = ["…"]
+            return f"({', '.join(shown)}: {len(value)} numbers)"
+        return f"({', '.join(shown)})"
     return str(value)
 
 
@@ -166,7 +181,8 @@ def _describe(item: Described) -> str:
             continue
         if parameter.silent and value == default_of(type(item), name):
             continue
-        if value in (0.0, (0.0, 0.0)) and default_of(type(item), name) == value and item.kind:
+        zero = value == (0.0, 0.0) or (value == 0.0 and item.kind)
+        if zero and default_of(type(item), name) == value:
             continue
         unit = parameter.unit
         value = str(value).lower() if isinstance(value, bool) else value

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["give", "print_result"]
 
+_MOST_ROWS: Final = 50
+"""A longer curve of the far field is not printed; the files have it."""
 _MOST_TALLIED: Final = 10
 """Rows of what an effect counts that are printed; the files have all."""
 _STOPPED: Final = {
@@ -85,6 +87,7 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
     out.print()
     _print_ledger(result, out)
     _print_detectors(result, out)
+    _print_far_field(result, out)
     _print_tallies(result, out)
     achieved = result.achieved_sigma
     sigma = "unknown" if achieved is None else f"{achieved:.3g}"
@@ -158,6 +161,22 @@ def _print_detectors(result: Result, out: Console) -> None:
             if values.size:
                 text += f", lit {values.min():.4g} … {values.max():.4g} W/m²"
             rows.add_row(Text(text), "", "", "")
+    print_table(rows, out)
+
+
+def _print_far_field(result: Result, out: Console) -> None:
+    """Print intensity over θ where that is one curve, not too long."""
+    bins = result.scene.far_field
+    if bins is None or not bins.by_theta or bins.n_phi > 1 or bins.rows > _MOST_ROWS:
+        return
+    far = result.far_field
+    assert far is not None
+    out.print()
+    rows = table(("far field", "left"), ("W/sr", "right"), ("± σ", "right"), ("rays", "right"))
+    for row in far.curve():
+        low, high = row["theta_deg"]
+        label = Text(f"θ {low:g}° – {high:g}°")
+        rows.add_row(label, *with_error(row["value"], row["sigma"]), str(row["count"]))
     print_table(rows, out)
 
 

@@ -310,13 +310,13 @@ class TallyLayout:
 
     @property
     def n_mu(self) -> int:
-        """Bins of the far field in cos θ, 0 without one."""
+        """Rows of the far field, by θ or cos θ; 0 without one."""
         group = self.group("far-field")
         return group.shape[0] if group else 0
 
     @property
     def n_phi(self) -> int:
-        """Bins of the far field in φ, 0 without one."""
+        """Columns of the far field, by φ; 0 without one."""
         group = self.group("far-field")
         return group.shape[1] if group else 0
 

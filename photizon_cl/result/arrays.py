@@ -10,8 +10,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from photizon_cl.result.estimates import Estimates
+    from photizon_cl.result.far_field import FarFieldResult
     from photizon_cl.result.ledger import Estimate
-    from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
+    from photizon_cl.result.maps import DetectorResult, IrradianceMap
     from photizon_cl.result.path_table import PathTable
     from photizon_cl.result.tallies import EffectTally
 
@@ -211,19 +212,31 @@ def _paths(
 
 
 def _far_field(far: FarFieldResult, variables: Variables, coordinates: Variables) -> None:
-    text = "cosine of the angle from world +z"
-    about = {"units": "1", "long_name": "cos θ", "comment": text}
-    mu = _axis("far_field.mu", far.mu_edges, about, variables, coordinates)
-    about = {"units": "rad", "long_name": "φ", "comment": "azimuth from world +x towards +y"}
+    u, v, axis = far.axis_words
+    if far.by_theta:
+        about = {"units": "rad", "long_name": "θ", "comment": f"angle from {axis}"}
+        row = _axis("far_field.theta", far.theta_edges, about, variables, coordinates)
+    else:
+        text = f"cosine of the angle from {axis}"
+        about = {"units": "1", "long_name": "cos θ", "comment": text}
+        row = _axis("far_field.mu", far.mu_edges, about, variables, coordinates)
+    turn = f"azimuth from {u} towards {v.removeprefix('world ')}"
+    about = {"units": "rad", "long_name": "φ", "comment": turn}
     phi = _axis("far_field.phi", far.phi_edges, about, variables, coordinates)
-    dims = (mu, phi)
+    dims = (row, phi)
     units = {"units": "W sr-1"}
     variables["far_field.intensity"] = (dims, far.intensity, {**units, "long_name": "intensity"})
     error = {**units, "long_name": "standard error", "comment": f"of the intensity; {_HATCHING}"}
     variables["far_field.sigma"] = (dims, far.sigma, error)
     variables["far_field.count"] = (dims, far.count, {"units": "1", "long_name": "rays"})
-    solid = {"units": "sr", "long_name": "solid angle", "comment": "of every bin"}
-    variables["far_field.solid_angle"] = ((), far.solid_angle, solid)
+    solid = {"units": "sr", "long_name": "solid angle"}
+    each = np.asarray(far.solid_angle)
+    if each.ndim:
+        solid["comment"] = "of a bin of each row"
+        variables["far_field.solid_angle"] = ((row,), each[:, 0], solid)
+    else:
+        solid["comment"] = "of every bin"
+        variables["far_field.solid_angle"] = ((), far.solid_angle, solid)
 
 
 def _tally(effect: str, cells: EffectTally, variables: Variables, coordinates: Variables) -> None:

@@ -21,8 +21,9 @@ from photizon_cl.result.advisories import run_advisories
 from photizon_cl.result.batch_values import MOST_VALUES
 from photizon_cl.result.checks import Checks, Scalar
 from photizon_cl.result.engine import engine_digest
+from photizon_cl.result.far_field import FarFieldResult, far_field_summary
 from photizon_cl.result.ledger import Ledger, watts
-from photizon_cl.result.maps import DetectorResult, FarFieldResult
+from photizon_cl.result.maps import DetectorResult
 from photizon_cl.result.stopping import Goal, achieved_sigma, relative_sigma
 from photizon_cl.result.tallies import EffectTally, effect_tallies
 from photizon_cl.scene.names import Table
@@ -398,6 +399,7 @@ class Estimates:
             "tally_digest": self.tally_digest,
             "ledger": self.ledger.summary(),
             "detectors": {name: d.summary() for name, d in self.detectors.items()},
+            **far_field_summary(self),
             **self._tallies_summary(),
             "checks": {name: checks.summary() for name, checks in self.checks.items()},
             "advisories": list(self.advisories),

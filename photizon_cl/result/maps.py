@@ -1,4 +1,4 @@
-"""What detectors and the far field show: arrays in physical units with errors and counts."""
+"""What detectors show: arrays in physical units with errors and counts."""
 
 from __future__ import annotations
 
@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.result.trails import Trails
     from photizon_cl.scene.bins import MapBins
-    from photizon_cl.scene.settings import FarField
 
-__all__ = ["DetectorResult", "FarFieldResult", "IrradianceMap", "Rung"]
+__all__ = ["DetectorResult", "IrradianceMap", "Rung", "closed"]
 
 
 class Rung(Estimate):
@@ -202,11 +201,11 @@ class IrradianceMap:
                 values /= area
                 values[none] = np.nan
         count = tally.counts(d.map, n).reshape(shape).copy()
-        _closed(irradiance, sigma, count)
+        closed(irradiance, sigma, count)
         return cls(irradiance, sigma, count, area, bins)
 
 
-def _closed(*arrays: NDArray[Any]) -> None:
+def closed(*arrays: NDArray[Any]) -> None:
     """Let nobody write into what a result says: its files and digests would say something else."""
     for array in arrays:
         array.flags.writeable = False
@@ -288,69 +287,3 @@ class DetectorResult:
         found = IrradianceMap.of(compiled, tally, d) if d.nx else None
         table = PathTable.of(compiled, tally, d, number, trails) if d.paths else None
         return cls(power, ladder, found, table)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class FarFieldResult:
-    """What escaped, by direction. Rows ascend in cos θ from −1, columns in φ from 0.
-
-    Parameters
-    ----------
-    intensity : ndarray, shape (n_mu, n_phi), float64
-        W/sr: power of the bin over its solid angle.
-    sigma : ndarray, shape (n_mu, n_phi), float64
-        Standard error of the intensity in W/sr; NaN with a single batch.
-    count : ndarray, shape (n_mu, n_phi), int64
-        Rays.
-    solid_angle : float
-        Of every bin, in sr.
-    mu_edges, phi_edges : ndarray, shapes (n_mu + 1,) and (n_phi + 1,)
-        Edges of the bins: cos θ, and φ in radians.
-    """
-
-    intensity: NDArray[np.float64]
-    sigma: NDArray[np.float64]
-    count: NDArray[np.int64]
-    solid_angle: float
-    mu_edges: NDArray[np.float64]
-    phi_edges: NDArray[np.float64]
-
-    def __repr__(self) -> str:
-        lit = self.intensity[~self.hatched]
-        shown = f"{lit.min():.4g} … {lit.max():.4g} W/sr over " if lit.size else ""
-        n_mu, n_phi = self.count.shape
-        return f"<FarFieldResult {n_mu} × {n_phi}: {shown}{lit.size} lit bins>"
-
-    @property
-    def hatched(self) -> NDArray[np.bool_]:
-        """Bins with fewer than 10 rays, shape (n_mu, n_phi)."""
-        return self.count < LIT_COUNT
-
-    @property
-    def median_sigma(self) -> float | None:
-        """Median relative standard error of the lit bins; None with a single batch or none lit."""
-        lit = ~self.hatched
-        if not lit.any() or np.isnan(self.sigma).all():
-            return None
-        return float(np.median(self.sigma[lit] / self.intensity[lit]))
-
-    @classmethod
-    def of(cls, compiled: CompiledScene, tally: Accumulator, settings: FarField) -> FarFieldResult:
-        """Return the far field after the batches of `tally`."""
-        first = compiled.layout.far_field
-        n_mu, n_phi = settings.n_mu, settings.n_phi
-        shape, n = (n_mu, n_phi), n_mu * n_phi
-        intensity = tally.mean(first, n).reshape(shape)
-        sigma = tally.standard_error(first, n).reshape(shape)
-        for values in (intensity, sigma):  # in place: they may take half a gigabyte each
-            values *= compiled.unit_power / settings.solid_angle
-        count = tally.counts(first, n).reshape(shape).copy()
-        _closed(intensity, sigma, count)
-        return cls(
-            intensity,
-            sigma,
-            count,
-            settings.solid_angle,
-            (2 * np.arange(n_mu + 1) - n_mu) / n_mu,
-            2.0 * np.pi * np.arange(n_phi + 1) / n_phi,
-        )

@@ -245,8 +245,9 @@ def _advice(compiled: CompiledScene, part: str) -> str:
     maps = sorted((d for d in layout.detectors if d.nx), key=lambda d: -d.nx * d.ny)
     far = layout.n_mu * layout.n_phi
     if far and (not maps or far >= maps[0].nx * maps[0].ny):
+        assert scene.far_field is not None
         found = f"they are {layout.n_mu} and {layout.n_phi}"
-        text = f"lower far_field.n_mu and far_field.n_phi ({found}"
+        text = f"lower {scene.far_field.rows_by} and far_field.n_phi ({found}"
         more = len(maps)
     elif maps:
         d = maps[0]

@@ -17,7 +17,7 @@ from photizon_cl.compile.rays import LEAST_WEIGHT, ray_weights, share_rays
 from photizon_cl.errors import PhotizonError
 from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
 from photizon_cl.run.distribution import device_failures, open_chosen
-from photizon_cl.scene.settings import MAX_GENERATION_CAP, FarField
+from photizon_cl.scene.settings import MAX_GENERATION_CAP
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -214,6 +214,6 @@ def without_bins(scene: Scene) -> Scene:
         for n, e in enumerate(scene.element)
         if e.detector is not None and e.detector.map is not None
     }
-    far = None if scene.far_field is None else FarField(n_mu=1, n_phi=1)
+    far = None if scene.far_field is None else scene.far_field.single()
     elements = tuple(one.get(n, e) for n, e in enumerate(scene.element))
     return dataclasses.replace(scene, element=elements, far_field=far)

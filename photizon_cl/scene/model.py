@@ -18,11 +18,12 @@ from photizon_cl.scene.described import (
     parameters_of,
 )
 from photizon_cl.scene.elements import Element
+from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.importance import Importance, targets_of
 from photizon_cl.scene.parameter_paths import put_values
 from photizon_cl.scene.parameters import declare, free_text, unique_name
 from photizon_cl.scene.reader import SCHEMA, read_scene
-from photizon_cl.scene.settings import FarField, RunSettings
+from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import Source
 from photizon_cl.scene.writing import save_scene
 

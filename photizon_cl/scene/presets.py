@@ -18,6 +18,7 @@ _NAMES: Final = (
     "baffled-tube",
     "square-lightpipe",
     "cassegrain",
+    "baffled-telescope",
 )
 
 _ANCHOR: Final = "Anchor:"

@@ -1,8 +1,7 @@
-"""How a scene is run by default, and how its far field is binned."""
+"""How a scene is run by default."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
 MAX_SEED: Final = 2**64 - 1
 MAX_RAYS_PER_BATCH: Final = 2**24
 MAX_GENERATION_CAP: Final = 2**20 - 1
-MAX_FAR_FIELD_BINS: Final = 8192
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,32 +84,3 @@ class RunSettings(Described):
     effects: Accepts[Sequence[str] | None, tuple[str, ...] | None] = field(
         default=ABSENT, metadata=words("effects compiled in although nothing else calls for them")
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class FarField(Described):
-    """The ``[far_field]`` table: bins for what escapes, of equal solid angle.
-
-    Uniform in cos θ (θ from world +z, ascending from −1) and in φ (from +x towards +y, from 0).
-
-    Parameters
-    ----------
-    n_mu : int
-        Bins in cos θ, 1 … 8192.
-    n_phi : int
-        Bins in φ, 1 … 8192.
-    """
-
-    label: ClassVar[str] = "far_field"
-
-    n_mu: int = field(default=40, metadata=integer(1, MAX_FAR_FIELD_BINS, "bins in cos θ"))
-    n_phi: int = field(default=32, metadata=integer(1, MAX_FAR_FIELD_BINS, "bins in φ"))
-
-    @property
-    def solid_angle(self) -> float:
-        """Solid angle of a bin, (2/n_mu)(2π/n_phi), in steradians."""
-        return 2.0 / self.n_mu * (2.0 * math.pi / self.n_phi)
-
-    def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the solid angle of a bin."""
-        return {"bin solid angle": (self.solid_angle, "sr")}

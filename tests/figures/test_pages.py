@@ -63,6 +63,7 @@ def awkward(which):
         "tall": (tables(post, far_field={"n_mu": 1, "n_phi": 1}), 4.0, 3),
         "zero": (tables(post, far_field={}), 0.0, 2),
         "single batch": (tables(strip, far_field={}), 12.0, 1),
+        "curves": (tables(far_field={"n_theta": 180, "n_phi": 6}), 9.0, 3),
         "no detector": (tables(rectangle()), 9.0, 3),
         "no element": (tables(), 9.0, 3),
         "many": (tables(*[rectangle(name=f"{n} {name}") for n in range(70)]), 9.0, 3),
@@ -88,7 +89,16 @@ def crowded(axes):
     return found
 
 
-CASES = ["long names", "tall", "zero", "single batch", "no detector", "no element", "many"]
+CASES = [
+    "long names",
+    "tall",
+    "zero",
+    "single batch",
+    "curves",
+    "no detector",
+    "no element",
+    "many",
+]
 
 
 @pytest.fixture(scope="module")

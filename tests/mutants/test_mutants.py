@@ -333,6 +333,16 @@ MUTANTS = (
         gates.far_field_bins,
     ),
     Mutant(
+        'a direction on an edge in theta belongs below it',
+        {'far_field_about.passed': 'edges[2 * k] * across > edges[2 * k + 1] * along'},
+        gates.far_field_edges,
+    ),
+    Mutant(
+        'edges in theta by their cosines alone',
+        {'far_field_about.passed': 'edges[2 * k] >= along'},
+        gates.far_field_edges,
+    ),
+    Mutant(
         'detector counts both sides',
         {'detector.other_side': 'false'},
         gates.one_sided_detectors,
@@ -473,6 +483,7 @@ MUTANTS = (
         trails.plate,
     ),
     Mutant("a path forgets what it met", {"path_table.trail": "trail"}, trails.plate),
+    Mutant(
         'points of a target drawn by area, without the cosine',
         {'importance.by_area': 'rr * R(t[TARGET_PER_AREA])'},
         aiming.disk_over_a_plate,

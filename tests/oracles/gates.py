@@ -241,6 +241,35 @@ def far_field_bins() -> None:
     assert (found.far_field_counts == want).all()
 
 
+EDGES = (0.0, 1e-7, 0.01, 3.0, 45.0, 89.999, 90.0, 120.0, 179.99)
+"""Degrees."""
+
+
+def far_field_edges(axis: str = "-z") -> None:
+    """A beam 16 roundings above an edge in θ is above it, one as much below it is below it.
+
+    So few are what frame, normalisation and products may amount to. At 45° and 90° there are none,
+    and a beam on the edge itself is above it.
+    """
+    sources, want = [], np.zeros((len(EDGES) - 1, 4), np.int64)
+    for k, edge in enumerate(EDGES):
+        for column, turn in enumerate(((0, 1), (-1, 0), (0, -1), (1, 0))):
+            near = [(edge * (1.0 - 2.0**-49), k - 1), (edge * (1.0 + 2.0**-49), k)]
+            if edge in (45.0, 90.0):
+                near.append((edge, k))
+            for angle, row in near:
+                if not edge:
+                    row, column = 0, 0
+                if row < 0 or row >= len(want):
+                    continue
+                want[row, column] += 1
+                tilt = [sign * angle for sign in turn]
+                sources.append(beam((0, 0, 0), axis, tilt_deg=tilt, radius=1e-9))
+    far_field = {"axis": axis, "theta_edges_deg": EDGES, "n_phi": 4}
+    found = trace(scene_of(sources, [], far_field=far_field), rays_per_batch=len(sources))
+    assert (found.far_field_counts == want).all()
+
+
 def one_sided_detectors() -> None:
     """A detector counts only arrivals at the side it faces; the ledger counts both."""
     for kind, axis, side in (

@@ -149,6 +149,7 @@ MORE: Final[dict[str, Case]] = {
     **{f"{name}": Case(name, 8) for name in (
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
+        "baffled-telescope",
     )},
 }  # fmt: skip
 """What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its

@@ -9,11 +9,12 @@ from photizon_cl.scene.presets import preset_names, presets
 
 NEW = (
     "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
+    "baffled-telescope",
 )  # fmt: skip
 
 
-def test_there_are_ten_each_with_an_anchor():
-    assert len(preset_names()) == len(presets()) == 10
+def test_there_are_eleven_each_with_an_anchor():
+    assert len(preset_names()) == len(presets()) == 11
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 

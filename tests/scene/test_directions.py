@@ -40,3 +40,13 @@ def test_what_is_large_or_in_double_precision_is_not():
 
 def test_rays_that_start_anywhere_on_a_disk_even_it_out():
     assert not found(6.5e-4, kind=pz.CollimatedDisk)
+
+
+def test_bins_narrow_beside_a_directions_rounding_are_told():
+    lamp = pz.IsotropicPoint(name="lamp", position=[0, 0, 0], flux=1.0)
+    for edges, told in (([0.0, 0.01, 90.0], True), ([0.0, 1.0, 90.0], False)):
+        far = pz.FarField(theta_edges_deg=edges, n_phi=1)
+        made = pz.Scene(name="s", source=[lamp], far_field=far)
+        texts = [t for t in pz.advisories(made, "fp32") if "far_field has bins of 0.01" in t]
+        assert bool(texts) == told
+        assert not pz.advisories(made, "fp64")

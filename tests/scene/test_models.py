@@ -331,6 +331,18 @@ def test_covered_element():
     assert '"twin" is never hit' in line
 
 
+@pytest.mark.parametrize("surface", [pz.Absorber(), pz.Mirror(0.5), pz.Fresnel(1.5)])
+def test_a_counting_plane_in_the_place_of_another_is_hit(surface):
+    """It lies before what it touches, wherever it is named."""
+    wall, plane = plate(surface=surface), plate(name="twin", surface=pz.Clear())
+    for elements in (
+        [wall, plane],
+        [plane, wall],
+        [wall, plane, plate(name="third", surface=pz.Clear())],
+    ):
+        assert advisories([point(0, 0, 1)], elements) == []
+
+
 def disk(radius, **changes):
     given = {"name": "disk", "surface": pz.Absorber(), "position": (0.0, 0.0, 0.0), "axis": "+z"}
     return pz.Disk(radius=radius, **{**given, **changes})

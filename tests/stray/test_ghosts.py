@@ -1,7 +1,7 @@
 """Ghosts of a window and a lens against a sequential trace of its own, written for this test.
 
-Each ghost is a fixed sequence of faces, so that a dense regular bundle, refracted and reflected face
-by face with vectors and both polarisations of Fresnel, gives its power without chance.
+Each ghost is a fixed sequence of faces, so that a dense regular bundle, refracted and reflected
+face by face with vectors and both polarisations of Fresnel, gives its power without chance.
 """
 
 from __future__ import annotations

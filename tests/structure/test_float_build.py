@@ -11,7 +11,7 @@ import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from oracles.engine import compiled, with_tree
@@ -83,6 +83,13 @@ def build_silently(
 )
 def test_presets(device: OpenDevice, preset: str, lanes: int) -> None:
     build_silently(device, compiled(preset).tables.spec, lanes, "wave")
+
+
+@pytest.mark.parametrize("far_field", [{"n_theta": 4}, {"n_mu": 4, "axis": "-y"}])
+def test_the_far_field_about_an_axis(device: OpenDevice, far_field: dict[str, Any]) -> None:
+    bins = pz.FarField(n_phi=3, **far_field)
+    spec = compiled(replace(load("cosine-fourth"), far_field=bins)).tables.spec
+    build_silently(device, spec, 1, "wave")
 
 
 def test_a_tree(device: OpenDevice) -> None:

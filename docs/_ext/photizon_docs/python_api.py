@@ -13,7 +13,7 @@ _BESIDES = (
     ("photizon_cl.result.maps", "DetectorResult"),
     ("photizon_cl.result.maps", "IrradianceMap"),
     ("photizon_cl.result.maps", "Rung"),
-    ("photizon_cl.result.maps", "FarFieldResult"),
+    ("photizon_cl.result.far_field", "FarFieldResult"),
     ("photizon_cl.result.ledger", "Ledger"),
     ("photizon_cl.result.ledger", "Estimate"),
     ("photizon_cl.result.ledger", "Roulette"),

@@ -10,12 +10,13 @@ from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
 from photizon_cl.scene.described import Nested, NestedList, default_of, parameters_of
 from photizon_cl.scene.elements import Element
+from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.frames import AXES, frame
 from photizon_cl.scene.importance import Importance
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import presets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
-from photizon_cl.scene.settings import FarField, RunSettings
+from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import DirectedSource
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ as they are, never smoothed or interpolated, and are hatched where fewer than 10
 ``draw_relative_sigma``      σ over irradiance of each bin of that map
 ``draw_far_field``           intensity over φ and cos θ
 ``draw_far_field_cuts``      polar cuts through planes of φ
+``draw_far_field_theta``     intensity over θ on a logarithmic axis
 ``draw_ledger``              where the power went
 ``draw_ladder``              a detector's power by generation
 ``draw_paths``               strongest paths to a detector, ranked
@@ -27,6 +28,7 @@ from __future__ import annotations
 
 from photizon_cl.views.figures.convergence_plot import draw_convergence
 from photizon_cl.views.figures.far_field_plots import draw_far_field, draw_far_field_cuts
+from photizon_cl.views.figures.far_field_theta import draw_far_field_theta
 from photizon_cl.views.figures.ladder_plot import draw_ladder
 from photizon_cl.views.figures.layout_plot import draw_layout
 from photizon_cl.views.figures.ledger_plot import draw_ledger
@@ -37,6 +39,7 @@ from photizon_cl.views.figures.table import FIGURES, draw_all, figure_names, wri
 
 irradiance, relative_sigma = draw_irradiance, draw_relative_sigma
 far_field, far_field_cuts = draw_far_field, draw_far_field_cuts
+far_field_theta = draw_far_field_theta
 ledger, ladder, convergence, layout = draw_ledger, draw_ladder, draw_convergence, draw_layout
 paths, ghosts = draw_paths, draw_ghosts
 
@@ -48,6 +51,7 @@ __all__ = [
     "draw_convergence",
     "draw_far_field",
     "draw_far_field_cuts",
+    "draw_far_field_theta",
     "draw_ghosts",
     "draw_irradiance",
     "draw_ladder",
@@ -57,6 +61,7 @@ __all__ = [
     "draw_relative_sigma",
     "far_field",
     "far_field_cuts",
+    "far_field_theta",
     "figure_names",
     "ghosts",
     "irradiance",

@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.result.estimates import Estimates
-    from photizon_cl.result.maps import FarFieldResult
+    from photizon_cl.result.far_field import FarFieldResult
 
-__all__ = ["draw_far_field", "draw_far_field_cuts"]
+__all__ = ["STYLES", "column", "draw_far_field", "draw_far_field_cuts", "far_field_of", "own_sigma"]
 
-_STYLES: Final = (
+STYLES: Final = (
     (BLUE, "-"), (ORANGE, (0, (5, 2))), ("#009e73", (0, (1, 1))), ("#cc79a7", (0, (5, 1, 1, 1))),
     ("#000000", (0, (8, 3))), ("#8c6d00", (0, (3, 1))),
 )  # fmt: skip
@@ -56,11 +56,11 @@ def draw_far_field(
     vmax: float | None = None,
     ax: Axes | None = None,
 ) -> Figure:
-    """Draw the intensity of what escaped over φ and cos θ.
+    """Draw the intensity of what escaped over φ and cos θ, or over φ and θ.
 
-    All bins have the same solid angle, so that equal areas on paper are equal solid angles. Bins
-    with fewer than 10 rays are hatched. Where there are more bins than dots on paper, every dot has
-    the colour of the highest bin in it, which is said.
+    In cos θ all bins have the same solid angle, so that equal areas on paper are equal solid
+    angles. Bins with fewer than 10 rays are hatched. Where there are more bins than dots on paper,
+    every dot has the colour of the highest bin in it, which is said.
 
     Parameters
     ----------
@@ -85,24 +85,28 @@ def draw_far_field(
     ArgumentError
         Where the scene has no far field, or norm and limits do not go together.
     """
-    far = _far(result)
+    far = far_field_of(result)
     scale = colour_norm(far.intensity[~far.hatched], norm, vmin, vmax, peaked=True)
     if ax is None:
         what = "far field: intensity of what escaped"
         notes = bins.said(far.count.shape) + chosen(scale, norm)
-        page = sheet(result, what, bins.body(3.6), notes, far.count, _own(far))
+        page = sheet(result, what, bins.body(3.6), notes, far.count, own_sigma(far))
         panel = bins.bin_axes(page, 4.85, 3.6)
     else:
         panel = bins.own_axes(ax, False)
     shown = np.ma.masked_array(far.intensity, mask=far.hatched)
     phi = np.degrees(far.phi_edges)
-    amounts(panel, phi, far.mu_edges, shown, far.hatched, "intensity", "W/sr", scale)
-    panel.label("φ in degrees, from +x towards +y", "μ = cos θ, from world +z")
+    u, v, axis = far.axis_words
+    u, v = u.removeprefix("world "), v.removeprefix("world ")
+    rows = np.degrees(far.theta_edges) if far.by_theta else far.mu_edges
+    said = f"θ in degrees, from {axis}" if far.by_theta else f"μ = cos θ, from {axis}"
+    amounts(panel, phi, rows, shown, far.hatched, "intensity", "W/sr", scale)
+    panel.label(f"φ in degrees, from {u} towards {v}", said)
     panel.axes.set_xticks(np.arange(0, 361, 45 if ax is None else 90))
     return whole(panel.axes)
 
 
-def _own(far: FarFieldResult) -> tuple[str, float | None]:
+def own_sigma(far: FarFieldResult) -> tuple[str, float | None]:
     """Return the far field's own σ: that of the run is about other quantities."""
     return "median relative σ of the far field's lit bins", far.median_sigma
 
@@ -126,21 +130,21 @@ def draw_far_field_cuts(result: Estimates, planes: Sequence[float] = (0.0, 90.0)
     Returns
     -------
     matplotlib.figure.Figure
-        Intensity in W/sr (ticks with an SI prefix) along the radius, θ from world +z around.
+        Intensity in W/sr (ticks with an SI prefix) along the radius, θ from the axis around.
 
     Raises
     ------
     ArgumentError
         Where the scene has no far field, or `planes` are none, too many or not finite.
     """
-    far = _far(result)
-    if not 1 <= len(planes) <= len(_STYLES) or not all(math.isfinite(p) for p in planes):
+    far = far_field_of(result)
+    if not 1 <= len(planes) <= len(STYLES) or not all(math.isfinite(p) for p in planes):
         raise ArgumentError(
-            f"planes: found {list(planes)}, expected one to {len(_STYLES)} finite angles in degrees"
+            f"planes: found {list(planes)}, expected one to {len(STYLES)} finite angles in degrees"
         )
     columns = [column(far, phi) for plane in planes for phi in (plane, plane + 180.0)]
     what = "far field: cuts through the intensity of what escaped"
-    page = sheet(result, what, 4.7, None, far.count[:, columns], _own(far))
+    page = sheet(result, what, 4.7, None, far.count[:, columns], own_sigma(far))
     side = 4.2
     axes: Any = page.figure.add_axes(
         page.place(0.45, 0.5 * (page.body - side), side, side), projection="polar"
@@ -148,7 +152,7 @@ def draw_far_field_cuts(result: Estimates, planes: Sequence[float] = (0.0, 90.0)
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
     top = 0.0
-    for plane, (colour, line) in zip(planes, _STYLES, strict=False):
+    for plane, (colour, line) in zip(planes, STYLES, strict=False):
         for half in (0, 1):
             k = column(far, plane + 180.0 * half)
             label = "" if half else _said(far, plane)
@@ -174,14 +178,15 @@ def draw_far_field_cuts(result: Estimates, planes: Sequence[float] = (0.0, 90.0)
     legend.set_in_layout(False)
     left = (0.45 + side + 0.46) / WIDTH
     says = "band: ±σ" if result.batches > 1 else "no band: σ unknown\nfrom a single batch"
-    says += "\nthin: below 10 rays\nangle: θ from world +z"
+    says += f"\nthin: below 10 rays\nangle: θ from {far.axis_words[2]}"
     page.figure.text(
         left, axes.get_position().y0, says, fontsize=SMALL, color=QUIET, linespacing=1.4
     )
     return page.figure
 
 
-def _far(result: Estimates) -> FarFieldResult:
+def far_field_of(result: Estimates) -> FarFieldResult:
+    """Return the far field of a result that has one."""
     if result.far_field is None:
         raise ArgumentError("the scene has no far field: add a [far_field] table to it")
     return result.far_field
@@ -195,12 +200,13 @@ def column(far: FarFieldResult, phi: float) -> int:
 
 def _free_angle(far: FarFieldResult, columns: list[int]) -> float:
     """Return the θ in degrees at which the radius is labelled: where the cuts on the right end."""
-    theta = np.degrees(np.arccos(far.mu_edges))
+    theta = np.degrees(far.theta_edges)
+    low, high = np.minimum(theta[1:], theta[:-1]), np.maximum(theta[1:], theta[:-1])
     outermost = far.intensity[:, columns[::2]].max(axis=1)
 
     def reach(angle: float) -> float:
-        near = (theta[1:] <= angle + 12.0) & (theta[:-1] >= angle - 12.0)
-        return float(outermost[near].max())
+        near = (low <= angle + 12.0) & (high >= angle - 12.0)
+        return float(outermost[near].max(initial=0.0))
 
     # between the spokes, and beside the horizontal where nothing speaks for another place
     return min((105.0, 75.0, 135.0, 45.0, 165.0, 15.0), key=reach)
@@ -222,7 +228,7 @@ def _draw_half(
 ) -> float:
     """Draw one column of bins as arcs, and return how far out it reaches in W/sr."""
     values, sigma, few = far.intensity[:, k], far.sigma[:, k], far.hatched[:, k]
-    theta = np.arccos(far.mu_edges)
+    theta = far.theta_edges
     angle = 2.0 * np.pi - theta if left else theta
     arcs = [_arc(angle[j], angle[j + 1]) for j in range(len(values))]
     every = np.concatenate(arcs)

@@ -12,6 +12,7 @@ from photizon_cl.atomic import in_any_locale
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.views.figures.convergence_plot import draw_convergence, history
 from photizon_cl.views.figures.far_field_plots import draw_far_field, draw_far_field_cuts
+from photizon_cl.views.figures.far_field_theta import draw_far_field_theta
 from photizon_cl.views.figures.ladder_plot import draw_ladder
 from photizon_cl.views.figures.layout_plot import MOST_ELEMENTS, draw_layout
 from photizon_cl.views.figures.ledger_plot import draw_ledger
@@ -84,8 +85,15 @@ def _with_ghosts(result: Estimates) -> list[tuple[str, ...]]:
     ]
 
 
-def _with_far_field(result: Estimates) -> list[tuple[str, ...]]:
-    return [()] if result.far_field is not None else []
+def _with_turns(result: Estimates) -> list[tuple[str, ...]]:
+    """Give a far field that is more than one row of bins in θ."""
+    far = result.scene.far_field
+    return [] if far is None or (far.by_theta and far.n_phi == 1) else [()]
+
+
+def _with_theta(result: Estimates) -> list[tuple[str, ...]]:
+    far = result.scene.far_field
+    return [()] if far is not None and far.by_theta else []
 
 
 FIGURES: Final = (
@@ -97,8 +105,9 @@ FIGURES: Final = (
     Kind("ladder", draw_ladder, _with_ladder),
     Kind("paths", draw_paths, _with_paths),
     Kind("ghosts", draw_ghosts, _with_ghosts),
-    Kind("far-field", draw_far_field, _with_far_field),
-    Kind("far-field-cuts", draw_far_field_cuts, _with_far_field),
+    Kind("far-field-theta", draw_far_field_theta, _with_theta),
+    Kind("far-field", draw_far_field, _with_turns),
+    Kind("far-field-cuts", draw_far_field_cuts, _with_turns),
 )
 """Every kind of figure, in the order in which a report shows them."""
 

@@ -133,8 +133,10 @@ ${figure(f)}
 % if far_field:
 <section aria-labelledby="far-field">
 <h2 id="far-field">Far field</h2>
-${parts.table(far_field)}
-% for f in figures.of("far-field", "far-field-cuts"):
+% for each in far_field:
+${parts.table(each)}
+% endfor
+% for f in figures.of("far-field-theta", "far-field", "far-field-cuts"):
 ${figure(f)}
 % endfor
 </section>

@@ -14,6 +14,7 @@ from markupsafe import Markup
 from photizon_cl.views.report import story, tables
 from photizon_cl.views.report.claims import claims
 from photizon_cl.views.report.cost import cost_table
+from photizon_cl.views.report.far_field import far_field_tables
 from photizon_cl.views.report.numbers import integer
 from photizon_cl.views.report.paths import paths_table
 
@@ -46,6 +47,7 @@ _PLACED: Final = frozenset(
         "ghosts",
         "far-field",
         "far-field-cuts",
+        "far-field-theta",
     }
 )
 _HERE: Final = Path(__file__).resolve().parent
@@ -112,7 +114,7 @@ def render(
             detectors=tables.detector_table(result) if result.detectors else None,
             sections=_sections(result, figures),
             more_detectors=integer(max(len(result.detectors) - MOST_DETECTORS, 0)),
-            far_field=None if far is None else tables.far_field_table(far, result.ledger.escaped),
+            far_field=[] if far is None else far_field_tables(far, result.ledger.escaped),
             checks=tables.checks_table(result),
             tallies=tables.tally_tables(result),
             others=[f for f in figures.drawn if f.kind not in _PLACED],

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
-    from photizon_cl.result.maps import DetectorResult, FarFieldResult, IrradianceMap
+    from photizon_cl.result.maps import DetectorResult, IrradianceMap
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = [
@@ -33,7 +33,6 @@ __all__ = [
     "Table",
     "checks_table",
     "detector_table",
-    "far_field_table",
     "ladder_table",
     "ledger_table",
     "map_table",
@@ -303,36 +302,6 @@ def checks_table(result: Estimates, most: int = MOST_ROWS) -> Table | None:
         rows,
         " ".join(notes),
     )  # fmt: skip
-
-
-# -- far field -----------------------------------------------------------------------------------
-
-
-def far_field_table(far: FarFieldResult, escaped: Estimate) -> Table:
-    """Return the key figures of the far field."""
-    n_mu, n_phi = far.count.shape
-    whole = 4.0 * np.pi
-    sigma = None if escaped.sigma is None else escaped.sigma / whole
-    lit = ~far.hatched
-    rows: list[tuple[str, str]] = [
-        ("power in all bins (what escaped)", brief(escaped.value, escaped.sigma, "W")),
-        ("intensity, mean over all directions", brief(escaped.value / whole, sigma, "W/sr")),
-        ("bins", f"{integer(n_mu)} in cos θ × {integer(n_phi)} in φ"),
-        ("solid angle of a bin", amount(far.solid_angle) + " sr"),
-        ("bins with 10 or more rays", lit_percent(float(np.mean(lit)))),
-    ]
-    if lit.any():
-        value, error, (j, i) = peak(far.intensity, far.sigma, lit)
-        mu = 0.5 * (far.mu_edges[j] + far.mu_edges[j + 1])
-        phi = np.degrees(0.5 * (far.phi_edges[i] + far.phi_edges[i + 1]))
-        place = f", at cos θ = {mu:.4g}, φ = {phi:.4g}°".replace("-", "−")
-        rows.append(("highest of these bins", brief(value, error, "W/sr") + place))
-    return Table(
-        "table-far-field",
-        "Far field: key figures",
-        (("quantity", False), ("value", False)),
-        rows,
-    )
 
 
 # -- what effects count --------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import numpy as np
 
 from photizon_cl.result.text import lit_percent, with_error
 from photizon_cl.views.figures.map_plots import length_unit
+from photizon_cl.views.report.far_field import place_of, row_name, row_of, span_of
 from photizon_cl.views.report.numbers import percent, plain_amount
 from photizon_cl.views.report.paths import describe_ghosts, describe_paths
 from photizon_cl.views.report.tables import peak
@@ -16,7 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from photizon_cl.result.estimates import Estimates
-    from photizon_cl.result.maps import FarFieldResult, IrradianceMap
+    from photizon_cl.result.far_field import FarFieldResult
+    from photizon_cl.result.maps import IrradianceMap
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = ["describe"]
@@ -198,29 +200,28 @@ def _far(result: Estimates) -> FarFieldResult:
     return result.far_field
 
 
-def _at(far: FarFieldResult, j: int, i: int) -> str:
-    mu = float(0.5 * (far.mu_edges[j] + far.mu_edges[j + 1]))
-    phi = float(np.degrees(0.5 * (far.phi_edges[i] + far.phi_edges[i + 1])))
-    return f"cos θ = {plain_amount(mu)}, φ = {plain_amount(phi)}°"
-
-
 def _far_field(result: Estimates, _: str) -> tuple[str, str]:
     far, escaped = _far(result), result.ledger.escaped
     caption = (
         "Intensity of what escaped over φ and cos θ; every bin has the same solid angle, and bins "
         "with fewer than 10 rays are hatched."
     )
-    n_mu, n_phi = far.count.shape
+    if far.by_theta:
+        caption = (
+            "Intensity of what escaped over φ and θ; bins with fewer than 10 rays are hatched."
+        )
+    n_rows, n_phi = far.count.shape
     lit = ~far.hatched
     start = (
-        f"Far-field map of intensity, {n_phi} bins in φ by {n_mu} in cos θ; "
+        f"Far-field map of intensity, {n_phi} bins in φ by {n_rows} in {row_name(far)}; "
         f"{lit_percent(float(np.mean(lit)))} of them have 10 or more rays"
     )
     if not lit.any():
         return start + ".", caption
     value, sigma, (j, i) = peak(far.intensity, far.sigma, lit)
     alt = (
-        f"{start}. The highest intensity is {_value(value, sigma, 'W/sr')}, at {_at(far, j, i)}; "
+        f"{start}. The highest intensity is {_value(value, sigma, 'W/sr')}, "
+        f"at {place_of(far, j, i)}; "
         f"in all {_value(escaped.value, escaped.sigma, 'W')} escaped."
     )
     return alt, caption
@@ -229,8 +230,8 @@ def _far_field(result: Estimates, _: str) -> tuple[str, str]:
 def _cuts(result: Estimates, _: str) -> tuple[str, str]:
     far = _far(result)
     caption = (
-        "Polar cuts through the far field with bands of ± σ, angles from world +z; thin arcs are "
-        "bins with fewer than 10 rays."
+        f"Polar cuts through the far field with bands of ± σ, angles from {far.axis_words[2]}; "
+        "thin arcs are bins with fewer than 10 rays."
     )
     n = far.count.shape[1]
     said = []
@@ -239,10 +240,31 @@ def _cuts(result: Estimates, _: str) -> tuple[str, str]:
         j = int(np.argmax(far.intensity[:, i]))
         sigma = float(far.sigma[j, i])
         high = _value(float(far.intensity[j, i]), None if np.isnan(sigma) else sigma, "W/sr")
-        mu = float(0.5 * (far.mu_edges[j] + far.mu_edges[j + 1]))
-        said.append(f"φ = {phi}°, {high} at cos θ = {plain_amount(mu)}")
+        said.append(f"φ = {phi}°, {high} at {row_of(far, j)}")
     return (
         f"Polar cuts through the far field; the highest intensity around {'; '.join(said)}.",
+        caption,
+    )
+
+
+def _over_theta(result: Estimates, _: str) -> tuple[str, str]:
+    far = _far(result)
+    caption = (
+        f"Intensity of what escaped over the angle θ from {far.axis_words[2]}, on a logarithmic "
+        "axis, with ± σ; open dots are bins with fewer than 10 rays."
+    )
+    rows, columns = far.count.shape
+    lit = ~far.hatched
+    start = f"Intensity over θ in {rows} bins from {span_of(far)}"
+    start += f", in {columns} parts of the turn" if columns > 1 else ""
+    if not lit.any():
+        return f"{start}; no bin has 10 or more rays.", caption
+    ends = (peak(far.intensity, far.sigma, lit, sign) for sign in (1.0, -1.0))
+    high, low = (
+        f"{_value(value, sigma, 'W/sr')} at {place_of(far, *at)}" for value, sigma, at in ends
+    )
+    return (
+        f"{start}; of those with 10 or more rays the highest has {high}, the lowest {low}.",
         caption,
     )
 
@@ -256,6 +278,7 @@ _WORDS: Final[dict[str, Callable[[Estimates, str], tuple[str, str]]]] = {
     "ladder": _ladder,
     "paths": describe_paths,
     "ghosts": describe_ghosts,
+    "far-field-theta": _over_theta,
     "far-field": _far_field,
     "far-field-cuts": _cuts,
 }
