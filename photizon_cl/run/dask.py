@@ -1,0 +1,182 @@
+"""The workers of a Dask cluster, as an executor.
+
+Against `distributed.Client.get_executor`: a task that is asked for again is computed again (Dask
+else gives the answer that it has, were it a damaged one); the number of workers is told; and each
+worker process computes one task at a time, always in the same thread, with as many threads for a
+CPU device as Dask gives that worker, so that it opens one device and keeps its programs.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+import threading
+import time
+import warnings
+from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+from hostcode.device.pocl_environment import limited_thread_environment
+from photizon_cl.errors import ArgumentError, RunError, printable, show
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from concurrent.futures import Future
+
+__all__ = ["DaskWorkers", "connected", "of_dask"]
+
+_ADDRESS: Final = re.compile(r"((tcp|tls|ws|wss|ucx)://)?([^\s/:@\[\]]+|\[[0-9A-Fa-f:.%]+\]):\d{1,5}")
+_CONNECT: Final = 10.0
+"""Seconds for a scheduler to answer, and to have a worker."""
+_LOOK: Final = 1.0
+"""Seconds for which a count of workers holds."""
+
+
+class DaskWorkers(Executor):
+    """An executor of a Dask client's workers.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Connected; whoever made it closes it.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._executor = client.get_executor(pure=False)
+        self._count, self._looked = 0, -_LOOK
+        self._lock = threading.Lock()
+        self._pending: set[Future[Any]] = set()
+        self.look()
+
+    @property
+    def _max_workers(self) -> int:
+        """Worker processes, as last seen."""
+        return max(self._count, 1)
+
+    def look(self) -> int:
+        """Count the workers, where that was not done just now."""
+        now = time.monotonic()
+        if now - self._looked >= _LOOK:
+            self._looked = now
+            self._count = len(self._client.sync(self._client.scheduler.ncores, callback_timeout=5))
+        return self._count
+
+    def submit(
+        self, call: Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> Future[Any]:
+        """Have a call made by some worker."""
+        try:
+            self.look()
+            future: Future[Any] = self._executor.submit(_in_one_thread, call, arguments, named)
+        except Exception as error:
+            if self._client.status == "running":
+                raise
+            raise BrokenExecutor("the scheduler is gone") from error
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """As of any executor; the cluster goes on."""
+        self._executor.shutdown(wait=wait and not cancel_futures)
+
+
+def of_dask(executor: object) -> object:
+    """Return what runs on a Dask cluster as `DaskWorkers`, and anything else as it is."""
+    kind = type(executor)
+    if kind.__module__.partition(".")[0] != "distributed":
+        return executor
+    if kind.__name__ == "ClientExecutor":
+        return DaskWorkers(executor._client)  # type: ignore[attr-defined]
+    return DaskWorkers(executor) if kind.__name__ == "Client" else executor
+
+
+@contextmanager
+def connected(address: object) -> Iterator[DaskWorkers]:
+    """Give the workers of the cluster whose scheduler has an address.
+
+    Raises
+    ------
+    ArgumentError
+        Where that is no address, or Dask is not installed.
+    RunError
+        Where no scheduler answers there, or it has no workers.
+    """
+    if not isinstance(address, str) or not _ADDRESS.fullmatch(address):
+        raise ArgumentError(
+            f"scheduler: found {show(address)}, expected the address of a Dask scheduler, as it "
+            "prints it itself: tcp://HOST:PORT"
+        )
+    try:
+        distributed = import_module("distributed")
+        config = import_module("dask.config")
+    except ImportError as error:
+        raise ArgumentError(
+            f"scheduler: found {show(address)}, and Dask cannot be imported ({error}): install it "
+            "with `pip install 'photizon-cl[dask]'`"
+        ) from None
+    # Scenes of many elements are large, and travel with every task.
+    with _quiet(), config.set({"distributed.admin.large-graph-warning-threshold": "1 GiB"}):
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # other versions: answers are checked in any case
+                client = distributed.Client(
+                    address, timeout=_CONNECT, set_as_default=False, name="photizon"
+                )
+        except Exception as error:  # whatever may answer at an address
+            text = " ".join(str(error).split())[:200]
+            raise RunError(
+                f"scheduler: no Dask scheduler answers at {show(address)} "
+                f"({type(error).__name__}: {printable(text)}): see whether it runs, and whether "
+                "this machine may reach it"
+            ) from None
+        try:
+            workers = DaskWorkers(client)
+            _wait_for_one(workers, address)
+            yield workers
+        finally:
+            client.close(timeout=2)
+
+
+def _wait_for_one(workers: DaskWorkers, address: str) -> None:
+    until = time.monotonic() + _CONNECT
+    while not workers.look():
+        if time.monotonic() > until:
+            raise RunError(
+                f"scheduler: {show(address)} has no workers: start some with `dask worker "
+                f"{printable(address)}`"
+            )
+        time.sleep(0.1)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Dask from logging that a connection was lost: what follows from it is said."""
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    ours = [logger for logger in map(logging.getLogger, names) if not logger.disabled]
+    for logger in ours:
+        logger.disabled = True
+    try:
+        yield
+    finally:
+        for logger in ours:
+            logger.disabled = False
+
+
+# -- in the worker -----------------------------------------------------------------------------
+
+_starting = threading.Lock()
+_thread: ThreadPoolExecutor | None = None
+
+
+def _in_one_thread(call: Callable[..., Any], arguments: Any, named: Any) -> Any:
+    """Make a call in the one thread of this process that has the device."""
+    global _thread
+    with _starting:
+        if _thread is None:
+            worker = import_module("distributed").get_worker()
+            os.environ.update(limited_thread_environment(worker.state.nthreads, os.environ))
+            _thread = ThreadPoolExecutor(1, thread_name_prefix="photizon")
+    return _thread.submit(call, *arguments, **named).result()
