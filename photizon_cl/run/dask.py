@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 __all__ = ["DaskWorkers", "connected", "of_dask"]
 
-_ADDRESS: Final = re.compile(r"((tcp|tls|ws|wss|ucx)://)?([^\s/:@\[\]]+|\[[0-9A-Fa-f:.%]+\]):\d{1,5}")
+_ADDRESS: Final = re.compile(
+    r"((tcp|tls|ws|wss|ucx)://)?([^\s/:@\[\]]+|\[[0-9A-Fa-f:.%]+\]):\d{1,5}"
+)
 _CONNECT: Final = 10.0
 """Seconds for a scheduler to answer, and to have a worker."""
 _LOOK: Final = 1.0
@@ -65,9 +67,7 @@ class DaskWorkers(Executor):
             self._count = len(self._client.sync(self._client.scheduler.ncores, callback_timeout=5))
         return self._count
 
-    def submit(
-        self, call: Callable[..., Any], /, *arguments: Any, **named: Any
-    ) -> Future[Any]:
+    def submit(self, call: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
         """Have a call made by some worker."""
         try:
             self.look()
@@ -83,13 +83,13 @@ class DaskWorkers(Executor):
         self._executor.shutdown(wait=wait and not cancel_futures)
 
 
-def of_dask(executor: object) -> object:
+def of_dask(executor: Any) -> Any:
     """Return what runs on a Dask cluster as `DaskWorkers`, and anything else as it is."""
     kind = type(executor)
     if kind.__module__.partition(".")[0] != "distributed":
         return executor
     if kind.__name__ == "ClientExecutor":
-        return DaskWorkers(executor._client)  # type: ignore[attr-defined]
+        return DaskWorkers(executor._client)
     return DaskWorkers(executor) if kind.__name__ == "Client" else executor
 
 

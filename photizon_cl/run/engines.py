@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
     from contextlib import AbstractContextManager
 
-__all__ = ["open_executor"]
+__all__ = ["open_executor", "taken"]
 
 _MOST: Final = 1024
 """Processes of one machine."""
@@ -72,6 +72,27 @@ def open_executor(
     if workers is not None:
         return _processes(_number(workers))
     return nullcontext()
+
+
+def taken(
+    executor: Executor | None, workers: int | None, scheduler: str | None
+) -> AbstractContextManager[Executor | None]:
+    """Return a context that gives an executor that a caller has, or the one that it names.
+
+    Raises
+    ------
+    ArgumentError, RunError
+        As `open_executor`, and where there is an executor and another is named.
+    """
+    if executor is None:
+        return open_executor(workers, scheduler)
+    for name, value in (("workers", workers), ("scheduler", scheduler)):
+        if value is not None:
+            raise ArgumentError(
+                f"{name}: found {show(value)}, expected nothing beside executor, which says who "
+                "computes"
+            )
+    return nullcontext(executor)
 
 
 def _number(workers: int) -> int:

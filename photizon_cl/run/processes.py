@@ -66,9 +66,7 @@ class Processes(ThreadPoolExecutor):
         self._children: set[_Child] = set()
         self._closed = False
 
-    def submit(
-        self, call: Callable[..., Any], /, *arguments: Any, **named: Any
-    ) -> Future[Any]:
+    def submit(self, call: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
         """Have a call made in one of the processes."""
         return super().submit(self._through, call, arguments, named)
 

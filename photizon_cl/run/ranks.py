@@ -1,4 +1,4 @@
-"""The ranks of an MPI world, as an executor: ``mpiexec … python -m mpi4py.futures -m photizon_cl …``.
+"""The ranks of an MPI world, as an executor: ``mpiexec … python -m mpi4py.futures -m …``.
 
 There rank 0 runs the command, and the others wait for what it hands out; mpi4py does all of it.
 """

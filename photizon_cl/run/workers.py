@@ -17,6 +17,7 @@ from concurrent.futures import BrokenExecutor, CancelledError
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from hostcode.device.memory import room
 from hostcode.errors import Abandoned, HostError
 from hostcode.run.tally import CELL, is_sparse
 from photizon_cl.errors import (
@@ -50,6 +51,8 @@ _BYTES_OF_A_TASK: Final = 1 << 26
 """Tallies that travel together, where there is more than one."""
 _WINDOW: Final = 2
 """Tasks under way for each worker, so that none waits for the next one."""
+_PART_OF_ROOM: Final = 0.25
+"""Of the memory that is left, what answers that wait for their turn may take."""
 _TICK: Final = 0.05
 """Seconds after which a wait looks at the clock."""
 _TRIES: Final = 2
@@ -80,10 +83,18 @@ class _Asked:
             yield replace(self.task, first=self.task.first + k, n=1)
 
 
-def _window(executor: object) -> int:
-    """Return how many tasks of an executor are under way at a time."""
+def _workers(executor: object) -> int:
+    """Return how many workers an executor has now."""
     workers = getattr(executor, "_max_workers", None)
-    return _WINDOW * (workers if type(workers) is int and workers > 0 else os.cpu_count() or 1)
+    return workers if type(workers) is int and workers > 0 else os.cpu_count() or 1
+
+
+def _window(workers: int, tables: DeviceTables) -> int:
+    """Return how many tasks are under way at a time: fewer where their answers have no room."""
+    window, left = _WINDOW * workers, room()
+    if left is None:
+        return window
+    return max(min(window, int(_PART_OF_ROOM * left.left) // _bytes_of_an_answer(tables)), _WINDOW)
 
 
 def _batches_of_a_task(tables: DeviceTables) -> int:
@@ -91,12 +102,17 @@ def _batches_of_a_task(tables: DeviceTables) -> int:
     return max(min(_RAYS_OF_A_TASK // rays, _BYTES_OF_A_TASK // (8 * CELL * tables.n_cells)), 1)
 
 
-def bytes_on_the_way(executor: object, tables: DeviceTables) -> int:
-    """Return what answers that wait for their turn take at most, each with what it came in."""
+def _bytes_of_an_answer(tables: DeviceTables) -> int:
+    """Return what an answer takes at most, with what it came in."""
     cells = tables.n_cells
     if is_sparse(cells):
         cells = min(cells, int(tables.launch["rays_per_batch"]))
-    return 2 * _window(executor) * _batches_of_a_task(tables) * 8 * (CELL + 1) * cells
+    return 2 * _batches_of_a_task(tables) * 8 * (CELL + 1) * cells
+
+
+def bytes_on_the_way(executor: object, tables: DeviceTables) -> int:
+    """Return what answers that wait for their turn take at most."""
+    return _window(_workers(executor), tables) * _bytes_of_an_answer(tables)
 
 
 class Executed:
@@ -133,7 +149,7 @@ class Executed:
         self._whole = Task(
             f"{scene} {device} {plan}", scene, tables_digest(tables), tables, device, plan, 0, 1
         )
-        self.window = _window(executor)
+        self._seen, self._window = 0, 0
         self._clock: Clock | None = None
         self._interrupted: Callable[[], bool] = lambda: False
         self._local: Local | None = None
@@ -144,6 +160,14 @@ class Executed:
         self._next_ticket = 0
         self._said: set[str] = set()
         self._full = ""
+
+    @property
+    def window(self) -> int:
+        """Tasks under way at a time; follows the number of workers, which may come and go."""
+        workers = _workers(self.executor)
+        if workers != self._seen:
+            self._seen, self._window = workers, _window(workers, self._whole.tables)
+        return self._window
 
     def watch(self, clock: Clock, interrupted: Callable[[], bool]) -> None:
         """Wait no longer than the clock allows, nor beyond Ctrl-C."""
