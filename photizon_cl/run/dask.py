@@ -15,7 +15,7 @@ import threading
 import time
 import warnings
 from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
@@ -33,6 +33,8 @@ _ADDRESS: Final = re.compile(
 )
 _CONNECT: Final = 10.0
 """Seconds for a scheduler to answer, and to have a worker."""
+_RECONNECT: Final = 10.0
+"""Seconds for a connection that was lost to be there again."""
 _LOOK: Final = 1.0
 """Seconds for which a count of workers holds."""
 
@@ -50,8 +52,6 @@ class DaskWorkers(Executor):
         self._client = client
         self._executor = client.get_executor(pure=False)
         self._count, self._looked = 0, -_LOOK
-        self._lock = threading.Lock()
-        self._pending: set[Future[Any]] = set()
         self.look()
 
     @property
@@ -69,13 +69,14 @@ class DaskWorkers(Executor):
 
     def submit(self, call: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
         """Have a call made by some worker."""
-        try:
+        until = time.monotonic() + _RECONNECT
+        while self._client.status == "connecting" and time.monotonic() < until:
+            time.sleep(0.05)
+        if self._client.status != "running":
+            raise BrokenExecutor("the connection to the Dask scheduler is lost")
+        with suppress(Exception):  # the count is the last one, then
             self.look()
-            future: Future[Any] = self._executor.submit(_in_one_thread, call, arguments, named)
-        except Exception as error:
-            if self._client.status == "running":
-                raise
-            raise BrokenExecutor("the scheduler is gone") from error
+        future: Future[Any] = self._executor.submit(_in_one_thread, call, arguments, named)
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:

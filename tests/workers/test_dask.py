@@ -1,0 +1,225 @@
+"""A Dask cluster of two worker processes on loopback: the same bits, whatever happens to it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import Executor
+
+import inside
+import pytest
+
+import photizon_cl as pz
+from photizon_cl.run import dask, workers
+
+distributed = pytest.importorskip("distributed", reason="Dask is not installed")
+
+# Its own threads and sockets end when they do.
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
+HOW = {"threads_per_worker": 1, "processes": True, "dashboard_address": None, "host": "127.0.0.1"}
+WRONG = [
+    "always the first chunk", "a bit flipped", "short", "tables damaged", "another engine",
+    "nothing",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    with distributed.LocalCluster(n_workers=2, **HOW) as cluster:
+        yield cluster
+
+
+@pytest.fixture
+def client(cluster):
+    with distributed.Client(cluster.scheduler_address, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=60)
+        yield client
+
+
+@pytest.fixture
+def address(client, cluster):
+    """Return the scheduler's address, with two workers."""
+    return cluster.scheduler_address
+
+
+def test_the_same_bits(address, right, traced):
+    result, lines = traced(scheduler=address)
+    assert result.tally_digest == right.tally_digest
+    assert result.summary()["ledger"] == right.summary()["ledger"]
+    assert not lines
+
+
+@pytest.mark.parametrize("how", [lambda c: c, lambda c: c.get_executor()])
+def test_a_client_is_an_executor(how, client, right, traced):
+    result, lines = traced(executor=how(client))
+    assert result.tally_digest == right.tally_digest
+    assert not lines
+    assert client.status == "running"
+
+
+def test_each_opens_one_device_and_keeps_its_engine(client, right, traced):
+    executor = dask.DaskWorkers(client)
+    assert executor._max_workers == 2
+    assert workers._workers(executor) == 2
+
+    def look():
+        asked = [
+            client.submit(dask._in_one_thread, inside.seen, (), {}, workers=[name], pure=False)
+            for name in client.nthreads()
+        ]
+        return {told["pid"]: told for told in client.gather(asked)}
+
+    for _ in range(2):
+        assert traced(executor=executor, batches=64)[0].batches == 64
+    before = look()
+    assert traced(executor=executor)[0].tally_digest == right.tally_digest
+    assert look() == before
+    assert len(before) == 2
+    for told in before.values():
+        assert told["devices"] == 1
+        assert told["units"] == [1]  # as many as Dask gives the worker threads
+        assert told["limits"] == ["1", "1"]
+        assert len(told["engines"]) == 1
+
+
+class Through(Executor):
+    """Has tasks answered wrongly on a cluster: every third one, the first time."""
+
+    def __init__(self, client, *wrong):
+        self.executor, self.wrong = dask.DaskWorkers(client), wrong
+        self.seen = set()
+
+    @property
+    def _max_workers(self):
+        return self.executor._max_workers
+
+    def submit(self, call, task):
+        if task.first // 2 % 3 or task.first in self.seen:
+            return self.executor.submit(call, task)
+        self.seen.add(task.first)
+        return self.executor.submit(*self.wrong, task)
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_a_wrong_answer_is_refused_and_asked_for_again(what, client, right, traced):
+    if what == "always the first chunk":
+        executor = Through(client, inside.swapped)
+    else:
+        executor = Through(client, inside.wrong, what)
+    result, lines = traced(executor=executor)
+    assert result.tally_digest == right.tally_digest
+    # what Dask answered once it must not answer again: nothing is traced in this process
+    assert all("an answer was refused, as it" in line for line in lines)
+    assert all("it is asked for again" in line for line in lines)
+    # asked for batch 0, the batches before it are its own
+    assert len(lines) == 1
+    assert len(executor.seen) == 3
+
+
+def test_an_answer_that_comes_late_and_twice(client, right, traced, monkeypatch):
+    monkeypatch.setattr(workers, "_LATER_ANSWER", 0.2)
+    monkeypatch.setattr(workers, "_TIMES", 0.0)
+    executor = Through(client, inside.late, 1.0)
+    result, _ = traced(executor=executor, batches=32)
+    assert result.tally_digest == pz.trace(right.scene, batches=32).tally_digest
+    assert executor.seen
+
+
+def test_a_worker_that_is_killed_costs_its_task_only(client, right, traced):
+    pids = list(client.run(os.getpid).values())
+    killed = []
+
+    def kill(now):
+        if not killed:
+            killed.append(pids[0])
+            os.kill(pids[0], signal.SIGKILL)
+
+    result, lines = traced(executor=client, batches=64, progress=kill)
+    assert killed
+    assert result.tally_digest == pz.trace(right.scene, batches=64).tally_digest
+    assert not lines
+
+
+def test_tasks_that_are_cancelled(client, right, traced):
+    executor = dask.DaskWorkers(client)
+    usual, some = executor.submit, iter([True, True, False, True])
+
+    def submit(*what):
+        future = usual(*what)
+        if next(some, False):
+            future.cancel()
+        return future
+
+    executor.submit = submit
+    result, lines = traced(executor=executor)
+    assert result.tally_digest == right.tally_digest
+    assert len(lines) <= 1
+
+
+@pytest.mark.parametrize("listens", [False, True])
+def test_no_scheduler(listens, monkeypatch):
+    monkeypatch.setattr(dask, "_CONNECT", 0.5)
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        if listens:
+            other.listen()
+        address = f"tcp://127.0.0.1:{other.getsockname()[1]}"
+        started = time.perf_counter()
+        with pytest.raises(pz.RunError, match=r"no Dask scheduler answers at .*: see whet") as told:
+            pz.trace("cosine-fourth", batches=1, scheduler=address)
+    assert time.perf_counter() - started < 5.0
+    assert "\n" not in str(told.value)
+
+
+def test_a_scheduler_without_workers(monkeypatch):
+    monkeypatch.setattr(dask, "_CONNECT", 2.0)
+    monkeypatch.setattr(dask, "_LOOK", 0.0)
+    with (
+        distributed.LocalCluster(n_workers=0, **HOW) as empty,
+        pytest.raises(pz.RunError, match="has no workers: start some with `dask worker tcp://"),
+    ):
+        pz.trace("cosine-fourth", batches=1, scheduler=empty.scheduler_address)
+
+
+CLUSTER = """
+import sys, time
+from distributed import LocalCluster
+if __name__ == "__main__":
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        print(cluster.scheduler_address, flush=True)
+        sys.stdin.read()
+"""
+
+
+def test_the_scheduler_dies(tmp_path, right, traced, monkeypatch):
+    monkeypatch.setattr(dask, "_RECONNECT", 0.5)
+    script = tmp_path / "cluster.py"
+    script.write_text(CLUSTER)
+    begun = subprocess.Popen(
+        [sys.executable, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL, text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )  # fmt: skip
+    killed = threading.Event()
+    try:
+        address = begun.stdout.readline().strip()
+
+        def kill(now):
+            if not killed.is_set():
+                begun.kill()
+                begun.wait()
+                killed.set()
+
+        result, lines = traced(scheduler=address, batches=64, progress=kill)
+    finally:
+        begun.kill()
+        begun.communicate()
+    assert killed.is_set()
+    assert result.tally_digest == pz.trace(right.scene, batches=64).tally_digest
+    assert "the connection to the Dask scheduler is lost" in lines[-1]
+    assert "the rest is traced in this process" in lines[-1]
