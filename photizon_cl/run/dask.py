@@ -14,7 +14,7 @@ import re
 import threading
 import time
 import warnings
-from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
@@ -24,7 +24,6 @@ from photizon_cl.errors import ArgumentError, RunError, printable, show
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from concurrent.futures import Future
 
 __all__ = ["DaskWorkers", "connected", "of_dask"]
 
@@ -36,7 +35,7 @@ _CONNECT: Final = 10.0
 _RECONNECT: Final = 10.0
 """Seconds for a connection that was lost to be there again."""
 _LOOK: Final = 1.0
-"""Seconds for which a count of workers holds."""
+"""Seconds for which a count of workers holds, and which it may take."""
 
 
 class DaskWorkers(Executor):
@@ -60,11 +59,12 @@ class DaskWorkers(Executor):
         return max(self._count, 1)
 
     def look(self) -> int:
-        """Count the workers, where that was not done just now."""
-        now = time.monotonic()
-        if now - self._looked >= _LOOK:
-            self._looked = now
-            self._count = len(self._client.sync(self._client.scheduler.ncores, callback_timeout=5))
+        """Return how many workers there are, counted anew where that was not done just now."""
+        if time.monotonic() - self._looked >= _LOOK:
+            with suppress(Exception):  # a scheduler that is slow or gone: as they were
+                ask = self._client.scheduler.ncores
+                self._count = len(self._client.sync(ask, callback_timeout=_LOOK))
+            self._looked = time.monotonic()
         return self._count
 
     def submit(self, call: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
@@ -74,14 +74,9 @@ class DaskWorkers(Executor):
             time.sleep(0.05)
         if self._client.status != "running":
             raise BrokenExecutor("the connection to the Dask scheduler is lost")
-        with suppress(Exception):  # the count is the last one, then
-            self.look()
+        self.look()
         future: Future[Any] = self._executor.submit(_in_one_thread, call, arguments, named)
         return future
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """As of any executor; the cluster goes on."""
-        self._executor.shutdown(wait=wait and not cancel_futures)
 
 
 def of_dask(executor: Any) -> Any:
@@ -121,11 +116,7 @@ def connected(address: object) -> Iterator[DaskWorkers]:
     # Scenes of many elements are large, and travel with every task.
     with _quiet(), config.set({"distributed.admin.large-graph-warning-threshold": "1 GiB"}):
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # other versions: answers are checked in any case
-                client = distributed.Client(
-                    address, timeout=_CONNECT, set_as_default=False, name="photizon"
-                )
+            client = _client(distributed.Client, address)
         except Exception as error:  # whatever may answer at an address
             text = " ".join(str(error).split())[:200]
             raise RunError(
@@ -138,7 +129,35 @@ def connected(address: object) -> Iterator[DaskWorkers]:
             _wait_for_one(workers, address)
             yield workers
         finally:
-            client.close(timeout=2)
+            with suppress(Exception):  # a scheduler that does not answer any more
+                client.close(timeout=2)
+
+
+def _client(make: Callable[..., Any], address: str) -> Any:
+    """Return a client; raise whatever is in its way, and TimeoutError where nothing answers.
+
+    Its own time-out does not hold where something listens at the address and says nothing.
+    """
+    made: Future[Any] = Future()
+
+    def connect() -> None:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # other versions: answers are checked in any case
+                client = make(address, timeout=_CONNECT, set_as_default=False, name="photizon")
+            if made.set_running_or_notify_cancel():
+                made.set_result(client)
+            else:  # too late
+                client.close(timeout=2)
+        except Exception as error:
+            if made.set_running_or_notify_cancel():
+                made.set_exception(error)
+
+    threading.Thread(target=connect, name="photizon-connect", daemon=True).start()
+    wait((made,), _CONNECT + 1.0)
+    if made.cancel():
+        raise TimeoutError(f"nothing was said in {_CONNECT:g} s")
+    return made.result()
 
 
 def _wait_for_one(workers: DaskWorkers, address: str) -> None:

@@ -21,7 +21,7 @@ distributed = pytest.importorskip("distributed", reason="Dask is not installed")
 
 # Its own threads and sockets end when they do.
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
-HOW = {"threads_per_worker": 1, "processes": True, "dashboard_address": None, "host": "127.0.0.1"}
+HOW = {"threads_per_worker": 1, "dashboard_address": ":0", "host": "127.0.0.1"}
 WRONG = [
     "always the first chunk", "a bit flipped", "short", "tables damaged", "another engine",
     "nothing",
@@ -178,7 +178,6 @@ def test_no_scheduler(listens, monkeypatch):
 
 def test_a_scheduler_without_workers(monkeypatch):
     monkeypatch.setattr(dask, "_CONNECT", 2.0)
-    monkeypatch.setattr(dask, "_LOOK", 0.0)
     with (
         distributed.LocalCluster(n_workers=0, **HOW) as empty,
         pytest.raises(pz.RunError, match="has no workers: start some with `dask worker tcp://"),
@@ -190,7 +189,7 @@ CLUSTER = """
 import sys, time
 from distributed import LocalCluster
 if __name__ == "__main__":
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
         print(cluster.scheduler_address, flush=True)
         sys.stdin.read()
 """
