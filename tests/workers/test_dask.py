@@ -195,6 +195,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_the_scheduler_dies(tmp_path, right, traced, monkeypatch):
     monkeypatch.setattr(dask, "_RECONNECT", 0.5)
     script = tmp_path / "cluster.py"

@@ -18,6 +18,8 @@ import photizon_cl as pz
 from photizon_cl.run.checkpoint import latest
 
 RUN = ["run", "cosine-fourth", "--rays-per-batch", "512"]
+EAGER = str(Path(__file__).with_name("eager.py"))
+LONG = ["run", "cosine-fourth", "--rays-per-batch", "65536", "--batches", "1000000"]
 
 
 @pytest.fixture(scope="module")
@@ -44,11 +46,11 @@ def mpi(tmp_path_factory):
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     }
 
-    def start(ranks, *arguments):
+    def start(ranks, *arguments, command=("-m", "photizon_cl")):
         return subprocess.Popen(
             [
                 mpiexec, "-n", str(ranks), *flags, sys.executable, "-m", "mpi4py.futures",
-                "-m", "photizon_cl", *arguments,
+                *command, *arguments,
             ],
             env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -79,10 +81,12 @@ def ranks(mpiexec):
     return found
 
 
-def tracing(folder):
+def tracing(begun, folder):
+    """Wait until a run has a checkpoint with batches."""
     end = time.monotonic() + 60.0
     while not ((folder / "checkpoint.nc").exists() and latest(folder).batches):
-        assert time.monotonic() < end
+        assert begun.poll() is None, begun.communicate()
+        assert time.monotonic() < end, list(folder.iterdir())
         time.sleep(0.1)
 
 
@@ -111,10 +115,11 @@ def test_what_cannot_be(mpi, n, more, line):
     assert not said
 
 
+@pytest.mark.slow
 def test_ctrl_c_saves(mpi, tmp_path):
-    begun = mpi(3, *RUN, "--batches", "100000", "--out", str(tmp_path), "--no-figures")
+    begun = mpi(3, *LONG, "--out", str(tmp_path), "--no-figures", command=[EAGER])
     try:
-        tracing(tmp_path)
+        tracing(begun, tmp_path)
         os.killpg(begun.pid, signal.SIGINT)
         said, errors = begun.communicate(timeout=60)
     finally:
@@ -122,14 +127,15 @@ def test_ctrl_c_saves(mpi, tmp_path):
     assert "stopped by Ctrl-C or another signal" in " ".join(said.split()), errors
     assert "Traceback" not in errors
     result = pz.open_result(tmp_path)
-    again = pz.trace("cosine-fourth", rays_per_batch=512, batches=result.batches)
+    again = pz.trace("cosine-fourth", rays_per_batch=65536, batches=result.batches)
     assert again.tally_digest == result.tally_digest
 
 
+@pytest.mark.slow
 def test_a_rank_that_is_killed_costs_what_the_checkpoint_has_not(mpi, tmp_path):
-    begun = mpi(3, *RUN, "--batches", "100000", "--out", str(tmp_path), "--no-figures")
+    begun = mpi(3, *LONG, "--out", str(tmp_path), "--no-figures", command=[EAGER])
     try:
-        tracing(tmp_path)
+        tracing(begun, tmp_path)
         os.kill(ranks(begun)[2], signal.SIGKILL)
         begun.communicate(timeout=60)
     finally:
@@ -138,5 +144,5 @@ def test_a_rank_that_is_killed_costs_what_the_checkpoint_has_not(mpi, tmp_path):
     kept = latest(tmp_path).batches
     assert kept >= 1
     result = pz.resume(tmp_path, batches=kept + 8)
-    again = pz.trace("cosine-fourth", rays_per_batch=512, batches=kept + 8)
+    again = pz.trace("cosine-fourth", rays_per_batch=65536, batches=kept + 8)
     assert again.tally_digest == result.tally_digest

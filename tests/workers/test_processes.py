@@ -159,7 +159,7 @@ RUN = ["run", "cosine-fourth", "--batches", "1000000", "--rays-per-batch", "6553
 def running(tmp_path):
     """Start a run with two workers; give it, its workers and its directory once it traces."""
     begun = subprocess.Popen(
-        [sys.executable, "-m", "photizon_cl", *RUN, "--workers", "2", "--no-figures",
+        [sys.executable, Path(__file__).with_name("eager.py"), *RUN, "--workers", "2", "--no-figures",
          "--out", tmp_path],
         env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
