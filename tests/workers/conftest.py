@@ -39,9 +39,7 @@ def traced(two_batches_a_task):
     def trace(**how):
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
-            result = pz.trace(
-                SCENE, **{"batches": BATCHES, "rays_per_batch": RAYS, **how}
-            )
+            result = pz.trace(SCENE, **{"batches": BATCHES, "rays_per_batch": RAYS, **how})
         return result, [str(w.message) for w in said if issubclass(w.category, RunWarning)]
 
     return trace
