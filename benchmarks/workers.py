@@ -2,12 +2,12 @@
 
 Traces a scene with one worker and with two, each of one thread, as processes of this machine and on
 Dask clusters on loopback, and in this process with one thread a core for comparison: turn and turn
-about, each round in another order. Workers have started and built the program before; a time is that
-of a whole `pz.trace`. Prints batches a second, and within each round the ratio of two to one. All
-must have the same digest. Without `distributed` the Dask rows are left out, which is said.
+about, each round in another order. Workers have started and built the program before; a time is
+that of a whole `pz.trace`. Prints batches a second, and within each round the ratio of two to one.
+All must have the same digest. Without `distributed` the Dask rows are left out, which is said.
 
-Time is the thing measured: run it where nothing else runs. Exit status 1 where two workers are worth
-less than 1.7, or a digest differs.
+Time is the thing measured: run it where nothing else runs. Exit status 1 where two workers are
+worth less than 1.7, or a digest differs.
 """
 
 from __future__ import annotations

@@ -147,7 +147,7 @@ def test_the_end_leaves_nothing():
         pids += until(executor.processes)
     assert pids
     assert gone(pids)
-    with pytest.raises(WorkerLostError, match="SIGKILL|being ended"):
+    with pytest.raises(WorkerLostError, match=r"SIGKILL|being ended"):
         futures[0].result()
     assert futures[2].done()
 
@@ -159,8 +159,8 @@ RUN = ["run", "cosine-fourth", "--batches", "1000000", "--rays-per-batch", "6553
 def running(tmp_path):
     """Start a run with two workers; give it, its workers and its directory once it traces."""
     begun = subprocess.Popen(
-        [sys.executable, Path(__file__).with_name("eager.py"), *RUN, "--workers", "2", "--no-figures",
-         "--out", tmp_path],
+        [sys.executable, Path(__file__).with_name("eager.py"), *RUN, "--workers", "2",
+         "--no-figures", "--out", tmp_path],
         env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
