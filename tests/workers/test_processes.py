@@ -15,6 +15,7 @@ import pytest
 
 import photizon_cl as pz
 from hostcode.device.pocl_environment import cores, limited_thread_environment
+from photizon_cl.cli.main import main
 from photizon_cl.run.checkpoint import latest
 from photizon_cl.run.engines import open_executor
 from photizon_cl.run.processes import Processes, WorkerLostError
@@ -213,3 +214,23 @@ def test_a_script_needs_no_guard(tmp_path, right):
     )
     assert done.stdout.split() == [right.tally_digest]
     assert not done.stderr
+
+
+def test_the_command_line(right, capsys):
+    batches = ["--rays-per-batch", "512", "--batches", "16"]
+    assert main(["run", "cosine-fourth", *batches, "--workers", "1", "--json"]) == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out)["tally_digest"] == right.tally_digest
+    assert not said.err
+    assert main(["run", "--recipe", right.recipe, "--workers", "1", "--json"]) == 0
+    assert "reproduced: every bit is the recipe's" in capsys.readouterr().err
+
+
+def test_workers_that_hang_do_not_hold_a_run_up(right, traced, monkeypatch):
+    usual = Processes.submit
+    monkeypatch.setattr(Processes, "submit", lambda self, *_: usual(self, inside.pause, 60.0))
+    started = time.perf_counter()
+    result, lines = traced(workers=2, max_seconds=3)
+    assert time.perf_counter() - started < 1.2 * 3 + 2
+    assert result.tally_digest == right.tally_digest
+    assert "the executor has not answered for" in lines[0]
