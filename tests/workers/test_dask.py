@@ -15,13 +15,15 @@ import inside
 import pytest
 
 import photizon_cl as pz
+from hostcode.device.pocl_environment import cores
 from photizon_cl.run import dask, workers
 
 distributed = pytest.importorskip("distributed", reason="Dask is not installed")
 
 # Its own threads and sockets end when they do.
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
-HOW = {"threads_per_worker": 1, "dashboard_address": ":0", "host": "127.0.0.1"}
+# Dask would use both threads for a task each; a process has one device all the same.
+HOW = {"threads_per_worker": 2, "dashboard_address": ":0", "host": "127.0.0.1"}
 WRONG = [
     "always the first chunk", "a bit flipped", "short", "tables damaged", "another engine",
     "nothing",
@@ -82,8 +84,8 @@ def test_each_opens_one_device_and_keeps_its_engine(client, right, traced):
     assert len(before) == 2
     for told in before.values():
         assert told["devices"] == 1
-        assert told["units"] == [1]  # as many as Dask gives the worker threads
-        assert told["limits"] == ["1", "1"]
+        assert told["units"] == [min(2, len(cores()))]  # as many as Dask gives the worker threads
+        assert told["limits"] == ["2", "2"]
         assert len(told["engines"]) == 1
 
 
