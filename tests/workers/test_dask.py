@@ -25,7 +25,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 # Dask would use both threads for a task each; a process has one device all the same.
 HOW = {"threads_per_worker": 2, "dashboard_address": ":0", "host": "127.0.0.1"}
 WRONG = [
-    "always the first chunk", "a bit flipped", "short", "tables damaged", "another engine",
+    "other batches", "a bit flipped", "short", "tables damaged", "another engine",
     "nothing",
 ]  # fmt: skip
 
@@ -90,46 +90,43 @@ def test_each_opens_one_device_and_keeps_its_engine(client, right, traced):
 
 
 class Through(Executor):
-    """Has tasks answered wrongly on a cluster: every third one, the first time."""
+    """Has every third task answered by another function, which does wrong at the first time."""
 
-    def __init__(self, client, *wrong):
-        self.executor, self.wrong = dask.DaskWorkers(client), wrong
-        self.seen = set()
+    def __init__(self, client, *instead):
+        self.executor, self.instead = dask.DaskWorkers(client), instead
+        self.asked = []
 
     @property
     def _max_workers(self):
         return self.executor._max_workers
 
     def submit(self, call, task):
-        if task.first // 2 % 3 or task.first in self.seen:
+        if task.first // 2 % 3:
             return self.executor.submit(call, task)
-        self.seen.add(task.first)
-        return self.executor.submit(*self.wrong, task)
+        self.asked.append(task.first)
+        return self.executor.submit(*self.instead, task)
 
 
 @pytest.mark.parametrize("what", WRONG)
-def test_a_wrong_answer_is_refused_and_asked_for_again(what, client, right, traced):
-    if what == "always the first chunk":
-        executor = Through(client, inside.swapped)
-    else:
-        executor = Through(client, inside.wrong, what)
+def test_a_wrong_answer_is_refused_and_asked_for_again(what, client, right, traced, tmp_path):
+    executor = Through(client, inside.wrong_at_first, str(tmp_path), what)
     result, lines = traced(executor=executor)
     assert result.tally_digest == right.tally_digest
     # what Dask answered once it must not answer again: nothing is traced in this process
-    assert all("an answer was refused, as it" in line for line in lines)
-    assert all("it is asked for again" in line for line in lines)
-    # asked for batch 0, the batches before it are its own
-    assert len(lines) == 1
-    assert len(executor.seen) == 3
+    (line,) = lines
+    assert "an answer was refused, as it" in line
+    assert "it is asked for again" in line
+    assert sorted(executor.asked) == [0, 0, 6, 6, 12, 12]
 
 
 def test_an_answer_that_comes_late_and_twice(client, right, traced, monkeypatch):
     monkeypatch.setattr(workers, "_LATER_ANSWER", 0.2)
     monkeypatch.setattr(workers, "_TIMES", 0.0)
     executor = Through(client, inside.late, 1.0)
-    result, _ = traced(executor=executor, batches=32)
+    result, lines = traced(executor=executor, batches=32)
     assert result.tally_digest == pz.trace(right.scene, batches=32).tally_digest
-    assert executor.seen
+    # somebody did what the late one did as well: another worker, or this process
+    assert len(executor.asked) > len(set(executor.asked)) or "has not answered for" in lines[0]
 
 
 def test_a_worker_that_is_killed_costs_its_task_only(client, right, traced):
