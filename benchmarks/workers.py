@@ -83,7 +83,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.workers", description=__doc__)
     parser.add_argument("--scene", default="box-room", help="preset or file; default box-room")
-    parser.add_argument("--batches", type=int, default=480, help="of 2^16 rays; default 480")
+    parser.add_argument("--batches", type=int, default=300, help="of 2^16 rays; default 300")
     parser.add_argument("--rounds", type=int, default=5, help="default 5")
     parser.add_argument("--out", type=Path, help="directory for the printed text and the numbers")
     asked = parser.parse_args(arguments)
