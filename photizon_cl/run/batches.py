@@ -33,7 +33,8 @@ from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.memory import check_memory, no_room_for
 from photizon_cl.run.pilot import pilot_of_capped
 from photizon_cl.run.progress import Clock, Progress
-from photizon_cl.run.workers import Executed, bytes_on_the_way
+from photizon_cl.run.window import bytes_on_the_way
+from photizon_cl.run.workers import Executed
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:

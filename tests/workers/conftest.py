@@ -10,7 +10,7 @@ import pytest
 
 import photizon_cl as pz
 from photizon_cl.errors import RunWarning
-from photizon_cl.run import workers
+from photizon_cl.run import window
 
 HERE = Path(__file__).resolve().parent
 # What workers are asked, and executors that misbehave, are plain modules.
@@ -29,7 +29,8 @@ def right():
 
 @pytest.fixture
 def two_batches_a_task(monkeypatch):
-    monkeypatch.setattr(workers, "_RAYS_OF_A_TASK", 2 * RAYS)
+    monkeypatch.setattr(window, "RAYS_OF_A_TASK", 2 * RAYS)
+    monkeypatch.setattr(window, "_QUICK", 0.0)  # which they stay
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ import pytest
 import photizon_cl as pz
 from hostcode.device.memory import Room
 from photizon_cl.compile.compiled import compile_scene
-from photizon_cl.run import workers
+from photizon_cl.run import window as windows
 from photizon_cl.run.task import run_task
-from photizon_cl.run.workers import Executed
+from photizon_cl.run.window import Window, _bytes_of_an_answer, bytes_on_the_way
 
 
 class FirstIsLate:
@@ -65,38 +65,64 @@ class Growing(FirstIsLate):
         return future
 
 
-def executed(executor, scene="cosine-fourth"):
-    compiled = compile_scene(pz.load(scene), pz.RunSettings(rays_per_batch=512))
-    return Executed(executor, "scene", compiled.tables, None, None)
+def made(executor, rays=512):
+    compiled = compile_scene(pz.load("cosine-fourth"), pz.RunSettings(rays_per_batch=rays))
+    return Window(executor, compiled.tables)
 
 
 def test_the_window_follows_the_number_of_workers(traced):
     executor = Growing(2)
-    runner = executed(executor)
-    assert runner.window == 4
+    window = made(executor)
+    assert window.tasks == 4
     executor._max_workers = 5
-    assert runner.window == 10
+    assert window.tasks == 10
     executor._max_workers = 1
-    assert runner.window == 2
+    assert window.tasks == 2
     assert traced(executor=Growing(2), batches=64)[0].batches == 64
 
 
 def test_the_window_is_less_where_there_is_no_room(monkeypatch):
     executor = Growing(100)
-    tables = executed(executor)._whole.tables
-    answer = workers._bytes_of_an_answer(tables)
+    tables = made(executor)._tables
+    answer = _bytes_of_an_answer(tables)
     left = 40 * answer
-    monkeypatch.setattr(workers, "room", lambda: Room(left, left, "this machine"))
-    assert executed(executor).window == 10
-    assert workers.bytes_on_the_way(executor, tables) == 10 * answer
+    monkeypatch.setattr(windows, "room", lambda: Room(left, left, "this machine"))
+    assert made(executor).tasks == 10
+    assert bytes_on_the_way(executor, tables) == 10 * answer
     left = 0
-    assert executed(executor).window == 2  # with none at all the run is refused as a whole
-    monkeypatch.setattr(workers, "room", lambda: None)
-    assert executed(executor).window == 200
+    assert made(executor).tasks == 2  # with none at all the run is refused as a whole
+    monkeypatch.setattr(windows, "room", lambda: None)
+    assert made(executor).tasks == 200
 
 
 @pytest.mark.parametrize("said", [None, 0, -1, 2.0, True, "8"])
 def test_an_executor_that_does_not_say_how_many(said, monkeypatch):
-    monkeypatch.setattr(workers.os, "cpu_count", lambda: 3)
-    executor = Growing(said)
-    assert executed(executor).window == 6
+    monkeypatch.setattr(windows.os, "cpu_count", lambda: 3)
+    assert made(Growing(said)).tasks == 6
+
+
+def test_quick_tasks_become_larger_and_the_last_ones_not():
+    window = made(Growing(2), 1 << 14)
+    usual = 16
+    assert window.batches(None) == usual
+    window.note(usual, 0.1)
+    assert window.batches(None) == 2 * usual
+    window.note(usual, 0.1)  # asked for before
+    window.note(2 * usual, 0.6)
+    assert window.batches(None) == 2 * usual
+    for _ in range(9):
+        window.note(window.batches(None), 0.01)
+    assert window.batches(None) == 16 * usual
+    assert made(Growing(2))._most == 512  # whose tallies take 16 MiB
+    left, sizes = 100 * usual, []
+    while left > 0:
+        sizes.append(min(window.batches(left), left))
+        left -= sizes[-1]
+    assert sizes[0] == 16 * usual
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[-5] == usual
+
+
+def test_few_batches_are_shared_out():
+    assert made(Growing(2)).batches(16) == 4
+    assert made(Growing(2)).batches(3) == 1
