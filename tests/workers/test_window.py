@@ -102,8 +102,8 @@ def test_an_executor_that_does_not_say_how_many(said, monkeypatch):
 
 
 def test_quick_tasks_become_larger_and_the_last_ones_not():
-    window = made(Growing(2), 1 << 14)
-    usual = 16
+    window = made(Growing(2), 1 << 15)
+    usual = 8
     assert window.batches(None) == usual
     window.note(usual, 0.1)
     assert window.batches(None) == 2 * usual
@@ -113,7 +113,7 @@ def test_quick_tasks_become_larger_and_the_last_ones_not():
     for _ in range(9):
         window.note(window.batches(None), 0.01)
     assert window.batches(None) == 16 * usual
-    assert made(Growing(2))._most == 512  # whose tallies take 16 MiB
+    assert made(Growing(2))._most == 512  # whose tallies take more than 16 MiB as it is
     left, sizes = 100 * usual, []
     while left > 0:
         sizes.append(min(window.batches(left), left))
