@@ -1,7 +1,8 @@
 """The workers of a Dask cluster, as an executor.
 
 Against `distributed.Client.get_executor`: a task that is asked for again is computed again (Dask
-else gives the answer that it has, were it a damaged one); the number of workers is told; and each
+else gives the answer that it has, were it a damaged one); one whose answer cannot be fetched is
+answered with why, and not never; the number of workers is told; and each
 worker process computes one task at a time, always in the same thread, with as many threads for a
 CPU device as Dask gives that worker, so that it opens one device and keeps its programs.
 """
@@ -30,6 +31,7 @@ __all__ = ["DaskWorkers", "connected", "of_dask"]
 _ADDRESS: Final = re.compile(
     r"((tcp|tls|ws|wss|ucx)://)?([^\s/:@\[\]]+|\[[0-9A-Fa-f:.%]+\]):\d{1,5}"
 )
+_LOGGERS: Final = ("distributed", "tornado")
 _CONNECT: Final = 10.0
 """Seconds for a scheduler to answer, and to have a worker."""
 _RECONNECT: Final = 10.0
@@ -49,7 +51,6 @@ class DaskWorkers(Executor):
 
     def __init__(self, client: Any) -> None:
         self._client = client
-        self._executor = client.get_executor(pure=False)
         self._count, self._looked = 0, -_LOOK
         self.look()
 
@@ -75,8 +76,23 @@ class DaskWorkers(Executor):
         if self._client.status != "running":
             raise BrokenExecutor("the connection to the Dask scheduler is lost")
         self.look()
-        future: Future[Any] = self._executor.submit(_in_one_thread, call, arguments, named)
+        # else what was computed once, and refused, would be what is answered again
+        asked = self._client.submit(_in_one_thread, call, arguments, named, pure=False)
+        future: Future[Any] = Future()
+        future.add_done_callback(lambda done: asked.cancel() if done.cancelled() else None)
+        asked.add_done_callback(lambda done: _hand_over(done, future))
         return future
+
+
+def _hand_over(asked: Any, future: Future[Any]) -> None:
+    """Let a future have what came of one of Dask's, which the cluster need not keep any more."""
+    try:
+        if future.set_running_or_notify_cancel():
+            future.set_result(asked.result())
+    except BaseException as error:  # of the call, or of fetching what it gave
+        future.set_exception(error)
+    finally:
+        asked.release()
 
 
 def of_dask(executor: Any) -> Any:
@@ -174,7 +190,7 @@ def _wait_for_one(workers: DaskWorkers, address: str) -> None:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep Dask from logging that a connection was lost: what follows from it is said."""
-    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    names = [name for name in logging.root.manager.loggerDict if name.startswith(_LOGGERS)]
     ours = [logger for logger in map(logging.getLogger, names) if not logger.disabled]
     for logger in ours:
         logger.disabled = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import socket
@@ -16,6 +17,7 @@ import pytest
 
 import photizon_cl as pz
 from hostcode.device.pocl_environment import cores
+from photizon_cl.cli.main import main
 from photizon_cl.run import dask, workers
 
 distributed = pytest.importorskip("distributed", reason="Dask is not installed")
@@ -54,6 +56,14 @@ def test_the_same_bits(address, right, traced):
     assert result.tally_digest == right.tally_digest
     assert result.summary()["ledger"] == right.summary()["ledger"]
     assert not lines
+
+
+def test_the_command_line(address, right, capsys):
+    what = ["run", "cosine-fourth", "--rays-per-batch", "512", "--batches", "16", "--json"]
+    assert main([*what, "--scheduler", address]) == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out)["tally_digest"] == right.tally_digest
+    assert not said.err
 
 
 @pytest.mark.parametrize("how", [lambda c: c, lambda c: c.get_executor()])

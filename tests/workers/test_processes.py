@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import inside
@@ -169,6 +170,9 @@ def running(tmp_path):
     pids = until(lambda: len(found := children(begun.pid)) == 2 and found)
     yield begun, pids, tmp_path
     begun.kill()
+    for pid in pids:  # where a test failed: they hold the pipes that are read below
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
     begun.communicate()
 
 
