@@ -48,6 +48,11 @@ def wrong_at_first(folder, name, task):
     return executors.WRONG[name]()(task)
 
 
+def kept(dask_worker):
+    """Return how many answers a Dask worker keeps."""
+    return len(dask_worker.data)
+
+
 def late(seconds, task):
     """Answer, but late."""
     chunk = run_task(task)

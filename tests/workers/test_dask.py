@@ -96,6 +96,10 @@ def test_each_opens_one_device_and_keeps_its_engine(client, right, traced):
         assert told["units"] == [min(2, len(cores()))]  # as many as Dask gives the worker threads
         assert told["limits"] == ["2", "2"]
         assert len(told["engines"]) == 1
+    end = time.monotonic() + 10.0
+    while any(client.run(inside.kept).values()):  # answers that were heard
+        assert time.monotonic() < end
+        time.sleep(0.1)
 
 
 class Through(Executor):
