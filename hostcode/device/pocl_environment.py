@@ -5,11 +5,29 @@ Two PoCLs in one process (Debian's 3.1 and the one of PyPI) were tried: both lis
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hostcode.device.pocl_mend import pypi_pocl_icd
 
-__all__ = ["only_platform_environment", "pocl_icd_files", "pocl_thread_environment"]
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = [
+    "cores",
+    "limited_thread_environment",
+    "only_platform_environment",
+    "pocl_icd_files",
+    "pocl_thread_environment",
+]
+
+
+def cores() -> frozenset[int]:
+    """Return the numbers of the processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return frozenset(os.sched_getaffinity(0))
+    return frozenset(range(os.cpu_count() or 1))
 
 
 def pocl_thread_environment(threads: int) -> dict[str, str]:
@@ -31,6 +49,24 @@ def pocl_thread_environment(threads: int) -> dict[str, str]:
     if threads < 1:
         raise ValueError(f"threads must be at least 1, not {threads}")
     return {"POCL_MAX_PTHREAD_COUNT": str(threads), "POCL_CPU_MAX_CU_COUNT": str(threads)}
+
+
+def limited_thread_environment(threads: int, environment: Mapping[str, str]) -> dict[str, str]:
+    """Return `pocl_thread_environment`, but for limits in an environment that are lower already.
+
+    Parameters
+    ----------
+    threads : int
+        At least 1.
+    environment : mapping of str to str
+        What may hold limits.
+    """
+    limits = pocl_thread_environment(threads)
+    for name in limits:
+        there = environment.get(name, "")
+        if there.isdecimal() and 1 <= int(there) < threads:
+            limits[name] = there
+    return limits
 
 
 def pocl_icd_files() -> dict[str, Path]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from photizon_cl.cli.arguments import DEVICE, DIRECTORY, JSON, NO_FIGURES, add_goal, swallowed
+from photizon_cl.cli.workers import add_workers, open_workers
 from photizon_cl.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("directory", metavar="DIR", nargs="?", help=DIRECTORY)
     add_goal(parser, "run until there are N batches in all", "more ")
     parser.add_argument("--device", metavar="D", help=DEVICE)
+    add_workers(parser)
     parser.add_argument("--no-figures", action="store_true", help=NO_FIGURES)
     parser.add_argument("--json", action="store_true", help=JSON)
 
@@ -35,7 +37,7 @@ def call(arguments: argparse.Namespace) -> int:
 
     # `pz.resume` in two steps, since the display has the scene's title
     start = Result.of(latest(arguments.directory))
-    with Display(start.scene.heading) as display:
+    with open_workers(arguments) as executor, Display(start.scene.heading) as display:
         result = start.refine(
             batches=arguments.batches,
             target=arguments.target,
@@ -43,6 +45,7 @@ def call(arguments: argparse.Namespace) -> int:
             max_seconds=arguments.max_seconds,
             device=arguments.device,
             progress=display.update,
+            executor=executor,
             checkpoint=arguments.directory,
         )
     return give(

@@ -18,6 +18,7 @@ from photizon_cl.cli.arguments import (
     load_scene,
     swallowed,
 )
+from photizon_cl.cli.workers import add_workers, open_workers
 from photizon_cl.errors import ArgumentError, show
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--device", metavar="D", help=DEVICE)
     parser.add_argument("--precision", metavar="P", help=PRECISION)
+    add_workers(parser)
     parser.add_argument("--out", metavar="DIR", help="write summary, arrays and figures into DIR")
     parser.add_argument("--no-figures", action="store_true", help=NO_FIGURES)
     parser.add_argument("--json", action="store_true", help=JSON)
@@ -80,10 +82,13 @@ def call(arguments: argparse.Namespace) -> int:
     mode_of(precision)
     _tell_loss(arguments.out, as_run, precision)
     said = _advise(scene, precision, as_json=arguments.json)
-    with Display(scene.heading) as display:
+    with open_workers(arguments) as executor, Display(scene.heading) as display:
         if recipe is not None:
             result = recipe.trace(
-                device=arguments.device, progress=display.update, checkpoint=arguments.out
+                device=arguments.device,
+                progress=display.update,
+                executor=executor,
+                checkpoint=arguments.out,
             )
         else:
             result = trace(
@@ -97,6 +102,7 @@ def call(arguments: argparse.Namespace) -> int:
                 device=arguments.device,
                 precision=precision,
                 progress=display.update,
+                executor=executor,
                 checkpoint=arguments.out,
             )
     differs = "" if recipe is None else recipe.differs(result)

@@ -29,13 +29,19 @@ from photizon_cl.result.ledger import check_batch
 from photizon_cl.result.statistics import complete
 from photizon_cl.result.stopping import Goal, History
 from photizon_cl.run.checkpoint import Keeper
+from photizon_cl.run.dask import of_dask
 from photizon_cl.run.distribution import Local, Runner, open_chosen
 from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.memory import check_memory, no_room_for
 from photizon_cl.run.pilot import pilot_of_capped
 from photizon_cl.run.progress import Clock, Progress
+<<<<<<< HEAD
 from photizon_cl.run.trails import with_trails
 from photizon_cl.run.workers import Executed, bytes_on_the_way
+=======
+from photizon_cl.run.window import bytes_on_the_way
+from photizon_cl.run.workers import Executed
+>>>>>>> workers
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -163,6 +169,7 @@ def go_on(
     checkpoint: str | os.PathLike[str] | None,
 ) -> _E:
     """Add batches to a result that nobody else holds until its goal is reached."""
+    executor = of_dask(executor)
     plan = _fitting(start.compiled, device, executor, plan, goal, saved=checkpoint is not None)
     keeper = None if checkpoint is None else Keeper(checkpoint, start)
     try:

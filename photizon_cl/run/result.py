@@ -127,6 +127,8 @@ class Result(Estimates):
         device: DeviceRecord | str | int | None = None,
         progress: Callable[[Progress], object] | None = None,
         executor: Executor | None = None,
+        workers: int | None = None,
+        scheduler: str | None = None,
         plan: ExecutionPlan | None = None,
         checkpoint: str | os.PathLike[str] | None = None,
     ) -> Result:
@@ -146,7 +148,7 @@ class Result(Estimates):
             had holds.
         max_seconds : float, optional
             Seconds that this call may take.
-        device, progress, executor, plan, checkpoint : optional
+        device, progress, executor, workers, scheduler, plan, checkpoint : optional
             As in `photizon_cl.trace`.
 
         Raises
@@ -157,19 +159,21 @@ class Result(Estimates):
             Where the run fails.
         """
         from photizon_cl.run.batches import refine
+        from photizon_cl.run.engines import taken
 
-        return refine(
-            self,
-            target=target,
-            target_on=target_on,
-            batches=batches,
-            max_seconds=max_seconds,
-            device=device,
-            progress=progress,
-            executor=executor,
-            plan=plan,
-            checkpoint=checkpoint,
-        )
+        with taken(executor, workers, scheduler) as chosen:
+            return refine(
+                self,
+                target=target,
+                target_on=target_on,
+                batches=batches,
+                max_seconds=max_seconds,
+                device=device,
+                progress=progress,
+                executor=chosen,
+                plan=plan,
+                checkpoint=checkpoint,
+            )
 
     def save(
         self,

@@ -11,6 +11,7 @@ from photizon_cl.result.estimates import RunInfo
 from photizon_cl.result.statistics import Accumulator
 from photizon_cl.run.batches import go_on, goal_of, refine, with_settings
 from photizon_cl.run.checkpoint import latest
+from photizon_cl.run.engines import taken
 from photizon_cl.run.result import Result
 from photizon_cl.scene.files import load
 
@@ -40,6 +41,8 @@ def trace(
     precision: str = "fp64",
     progress: Callable[[Progress], object] | None = None,
     executor: Executor | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
     plan: ExecutionPlan | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
 ) -> Result:
@@ -78,7 +81,14 @@ def trace(
     executor : concurrent.futures.Executor, optional
         Computes the batches on its workers, each of which opens a device; the same bits. Worker
         processes must be spawned, not forked, once this process has used OpenCL. A task that is
-        lost or answered wrongly is asked for again, then traced in this process.
+        lost or answered wrongly is asked for again, then traced in this process. A
+        `distributed.Client` may stand here as well, and under ``python -m mpi4py.futures`` an
+        ``MPIPoolExecutor``.
+    workers : int, optional
+        Instead, processes of this machine that compute for this call. A CPU device's threads are
+        shared out among them.
+    scheduler : str, optional
+        Instead, the address of a Dask scheduler, ``"tcp://HOST:PORT"``, whose cluster computes.
     plan : ExecutionPlan, optional
         How a device runs a wave; changes no bit.
     checkpoint : str or path, optional
@@ -123,7 +133,8 @@ def trace(
     compiled = compile_scene(as_run, as_run.run, precision=precision)
     tally = Accumulator.of(compiled.layout)
     start = Result(compiled, tally, RunInfo(precision=precision, goal=goal))
-    return go_on(start, goal, device, progress, executor, plan, checkpoint)
+    with taken(executor, workers, scheduler) as chosen:
+        return go_on(start, goal, device, progress, chosen, plan, checkpoint)
 
 
 def resume(
@@ -136,6 +147,8 @@ def resume(
     device: DeviceRecord | str | int | None = None,
     progress: Callable[[Progress], object] | None = None,
     executor: Executor | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
     plan: ExecutionPlan | None = None,
 ) -> Result:
     """Go on with the run in a directory, wherever it ended or was killed.
@@ -151,7 +164,7 @@ def resume(
         Relative standard error to reach.
     batches : int, optional
         Batches in all. Without either, the goal that the run had holds.
-    target_on, max_seconds, device, progress, executor, plan : optional
+    target_on, max_seconds, device, progress, executor, workers, scheduler, plan : optional
         As in `trace`.
 
     Raises
@@ -161,8 +174,9 @@ def resume(
     ArgumentError, RunError
         As in `trace`.
     """
-    return refine(
-        Result.of(latest(path)), target=target, target_on=target_on, batches=batches,
-        max_seconds=max_seconds,
-        device=device, progress=progress, executor=executor, plan=plan, checkpoint=path,
-    )  # fmt: skip
+    start = Result.of(latest(path))
+    with taken(executor, workers, scheduler) as chosen:
+        return refine(
+            start, target=target, target_on=target_on, batches=batches, max_seconds=max_seconds,
+            device=device, progress=progress, executor=chosen, plan=plan, checkpoint=path,
+        )  # fmt: skip

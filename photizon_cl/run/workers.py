@@ -8,7 +8,6 @@ at last traced in this process, so that the outcome has the same bits whatever t
 
 from __future__ import annotations
 
-import os
 import pickle
 import time
 import warnings
@@ -18,7 +17,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from hostcode.errors import Abandoned, HostError
-from hostcode.run.tally import CELL, is_sparse
 from photizon_cl.errors import (
     ArgumentError,
     NoRoomError,
@@ -32,6 +30,7 @@ from photizon_cl.run.chunks import RefusedError, Task, checked, numbers, tables_
 from photizon_cl.run.desk import Answer, Desk, NotSubmittedError
 from photizon_cl.run.distribution import Local, compute
 from photizon_cl.run.task import run_task
+from photizon_cl.run.window import Window
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -43,13 +42,8 @@ if TYPE_CHECKING:
     from photizon_cl.run.chunks import Chunk
     from photizon_cl.run.progress import Clock
 
-__all__ = ["Executed", "bytes_on_the_way"]
+__all__ = ["Executed"]
 
-_RAYS_OF_A_TASK: Final = 1 << 18
-_BYTES_OF_A_TASK: Final = 1 << 26
-"""Tallies that travel together, where there is more than one."""
-_WINDOW: Final = 2
-"""Tasks under way for each worker, so that none waits for the next one."""
 _TICK: Final = 0.05
 """Seconds after which a wait looks at the clock."""
 _TRIES: Final = 2
@@ -78,25 +72,6 @@ class _Asked:
         """Give tasks of a single batch each."""
         for k in range(self.task.n):
             yield replace(self.task, first=self.task.first + k, n=1)
-
-
-def _window(executor: object) -> int:
-    """Return how many tasks of an executor are under way at a time."""
-    workers = getattr(executor, "_max_workers", None)
-    return _WINDOW * (workers if type(workers) is int and workers > 0 else os.cpu_count() or 1)
-
-
-def _batches_of_a_task(tables: DeviceTables) -> int:
-    rays = int(tables.launch["rays_per_batch"])
-    return max(min(_RAYS_OF_A_TASK // rays, _BYTES_OF_A_TASK // (8 * CELL * tables.n_cells)), 1)
-
-
-def bytes_on_the_way(executor: object, tables: DeviceTables) -> int:
-    """Return what answers that wait for their turn take at most, each with what it came in."""
-    cells = tables.n_cells
-    if is_sparse(cells):
-        cells = min(cells, int(tables.launch["rays_per_batch"]))
-    return 2 * _window(executor) * _batches_of_a_task(tables) * 8 * (CELL + 1) * cells
 
 
 class Executed:
@@ -133,7 +108,7 @@ class Executed:
         self._whole = Task(
             f"{scene} {device} {plan}", scene, tables_digest(tables), tables, device, plan, 0, 1
         )
-        self.window = _window(executor)
+        self.window = Window(executor, tables)
         self._clock: Clock | None = None
         self._interrupted: Callable[[], bool] = lambda: False
         self._local: Local | None = None
@@ -171,10 +146,6 @@ class Executed:
         self, first: int, last: int | None, size: Callable[[], int | None]
     ) -> Iterator[Chunk]:
         """Give batches in order, see `Runner.chunks`."""
-        usual = _batches_of_a_task(self._whole.tables)
-        if last is not None:
-            # Shared out among the workers rather than given whole to a few of them.
-            usual = max(min(usual, -(-(last - first) // self.window)), 1)
         asked: OrderedDict[int, _Asked] = OrderedDict()
         self._heard_at = time.perf_counter()
         desk = Desk(self.executor, run_task)
@@ -182,8 +153,8 @@ class Executed:
             while asked or last is None or first < last:
                 while (last is None or first < last) and (not asked or self._room(asked)):
                     limit = size()
-                    n = usual if limit is None else min(usual, limit)
-                    n = n if last is None else min(n, last - first)
+                    n = self.window.batches(None if last is None else last - first)
+                    n = n if limit is None else min(n, limit)
                     asked[first] = _Asked(replace(self._whole, first=first, n=n), 0.0)
                     if self._room(()):
                         self._ask(desk, asked[first])
@@ -216,7 +187,11 @@ class Executed:
 
     def _room(self, asked: Collection[object]) -> bool:
         """Say whether another task may be asked for; neither those nor their answers pile up."""
-        return self._trusted and self._roomy and max(len(asked), len(self._tickets)) < self.window
+        return (
+            self._trusted
+            and self._roomy
+            and max(len(asked), len(self._tickets)) < self.window.tasks
+        )
 
     def _ask(self, desk: Desk, item: _Asked) -> None:
         item.tries += 1
@@ -267,6 +242,7 @@ class Executed:
                 return
             self._answers += 1
             self._longest = max(self._longest, now - item.asked_at)
+            self.window.note(item.task.n, now - item.asked_at)
         elif isinstance(error, BrokenExecutor):
             self._give_up_on(f"the executor broke ({_told(error)})")
         elif isinstance(error, NotSubmittedError):

@@ -408,6 +408,6 @@ main({arguments!r})
 heavy = {{"numpy", "rich", "mako", "pyopencl", "matplotlib", "xarray"}} & set(sys.modules)
 assert not heavy, heavy
 verbs = {{m for m in sys.modules if m.startswith("photizon_cl.cli.")}}
-assert verbs <= {{f"photizon_cl.cli.{{n}}" for n in ("main", "run", "arguments")}}, verbs
+assert verbs <= {{f"photizon_cl.cli.{{n}}" for n in ("main", "run", "arguments", "workers")}}, verbs
 """
     run_python(code)

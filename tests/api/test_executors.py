@@ -16,7 +16,7 @@ import pytest
 import photizon_cl as pz
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import RunWarning
-from photizon_cl.run import workers
+from photizon_cl.run import window, workers
 from photizon_cl.run.chunks import Task, checked, tables_digest
 from photizon_cl.run.task import run_task
 
@@ -32,7 +32,8 @@ def right():
 
 @pytest.fixture(autouse=True)
 def two_batches_a_task(monkeypatch):
-    monkeypatch.setattr(workers, "_RAYS_OF_A_TASK", 2 * RAYS)
+    monkeypatch.setattr(window, "RAYS_OF_A_TASK", 2 * RAYS)
+    monkeypatch.setattr(window, "_QUICK", 0.0)
 
 
 def traced(executor, **more):

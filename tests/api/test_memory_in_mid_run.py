@@ -20,7 +20,7 @@ from hostcode.run import queue, tally
 from hostcode.run.sizes import Sizes
 from photizon_cl.cli.main import main
 from photizon_cl.errors import NoRoomError, RunWarning
-from photizon_cl.run import batches, distribution, memory, task, workers
+from photizon_cl.run import batches, distribution, memory, task, window, workers
 from photizon_cl.run.chunks import Task, tables_digest
 from photizon_cl.run.needs import Needs
 
@@ -109,10 +109,16 @@ def with_workers(pool, **how):
 HOW = {"batches": 16, "rays_per_batch": 512}
 
 
+def small_tasks(monkeypatch, rays=512):
+    """Have tasks of so many rays, however quickly they are answered."""
+    monkeypatch.setattr(window, "RAYS_OF_A_TASK", rays)
+    monkeypatch.setattr(window, "_QUICK", 0.0)
+
+
 @pytest.mark.parametrize("rays_of_a_task", [512, 4 * 512])
 def test_a_worker_without_room_ends_a_run_as_this_process_does(monkeypatch, rays_of_a_task):
     no_more_after(monkeypatch, 7)
-    monkeypatch.setattr(workers, "_RAYS_OF_A_TASK", rays_of_a_task)
+    small_tasks(monkeypatch, rays_of_a_task)
     with pytest.warns(RunWarning, match="more rays split off than may wait"):
         here = pz.trace("cosine-fourth", **HOW)
     with ThreadPoolExecutor(2) as pool:
@@ -139,7 +145,7 @@ class Counting(ThreadPoolExecutor):
 def test_where_workers_have_no_room_and_this_process_has(monkeypatch):
     whole = pz.trace("cosine-fourth", **HOW)
     no_more_after(monkeypatch, 3, in_a_worker)
-    monkeypatch.setattr(workers, "_RAYS_OF_A_TASK", 512)
+    small_tasks(monkeypatch)
     with Counting(1) as pool:
         found, said = with_workers(pool, **HOW)
         tasks = pool.tasks
@@ -149,13 +155,13 @@ def test_where_workers_have_no_room_and_this_process_has(monkeypatch):
         "batch 3: a worker of the executor has no room (more rays split off than may wait): it is "
         "given no more tasks, and the rest is traced in this process"
     )
-    assert tasks <= 4 + workers._WINDOW
+    assert tasks <= 4 + window.TASKS_OF_A_WORKER
 
 
 def test_where_neither_workers_nor_this_process_have_room(monkeypatch):
     five = pz.trace("cosine-fourth", **{**HOW, "batches": 5})
     no_more_after(monkeypatch, 5, in_a_worker)
-    monkeypatch.setattr(workers, "_RAYS_OF_A_TASK", 512)
+    small_tasks(monkeypatch)
 
     def none(*_):
         raise NoRoomError("the device's buffers take 2 GB")
