@@ -34,6 +34,8 @@ _KEYS: Final = ("schema", "scene", "vary", "run", "measure", "title", "notes")
 _VARY_KEYS: Final = ("path", "values", *SPACINGS, "together", "name")
 _TAKEN: Final = ("point", "digest", "batches", "rays", "seconds", "stopped")
 """Columns of a sweep's table that are always there."""
+_COLUMNS: Final = tuple(f"{dot}{end}" for dot in "._" for end in ("sigma", "change", "change_sigma"))
+"""How the names end of what stands beside a measure's values."""
 
 
 def read_sweep(source: str | os.PathLike[str] | Mapping[str, Any]) -> SweepPlan:
@@ -258,9 +260,9 @@ class _Reader:
             self.complain("vary", shown, f"at most {MOST_POINTS} points", hint)
 
     def different(self, group: tuple[Axis, ...], number: int) -> None:
-        seen: dict[tuple[str, ...], int] = {}
+        seen: dict[tuple[Any, ...], int] = {}
         for at, values in enumerate(zip(*(axis.values for axis in group), strict=True)):
-            told = tuple(value_text(float(v) if is_numeric([v]) else v) for v in values)
+            told = tuple(v if is_numeric([v]) else value_text(v) for v in values)
             if told in seen:
                 shown = ", ".join(show(value) for value in values)
                 self.complain(
@@ -327,5 +329,6 @@ class _Reader:
             if read in taken:
                 self.complain(where, show(name), "a name of its own", f"{taken[read]} is called so")
             found[str(name)] = value
+            taken |= {f"{name}{end}": f"a column of {where}" for end in _COLUMNS}
             taken[str(name)] = where
         return found
