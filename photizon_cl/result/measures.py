@@ -19,7 +19,7 @@ from photizon_cl.scene.parameter_paths import quoted
 from photizon_cl.scene.registry import ELEMENTS, SOURCES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.scene.model import Scene
 
-__all__ = ["Measure", "Measured", "measures_of"]
+__all__ = ["Measure", "Measured", "measured_by", "measures_of"]
 
 _FORMS: Final = (
     '"detectors.NAME.power", { ratio = [Q, Q] } or { pst = "DETECTOR", source = "SOURCE" }'
@@ -273,3 +273,8 @@ def _read(name: str, value: object, problems: list[Problem]) -> Measure | None:
 
 def _texts(*values: object) -> bool:
     return all(isinstance(value, str) for value in values)
+
+
+def measured_by(measures: Iterable[Measure], result: Estimates) -> dict[str, Measured]:
+    """Return what measures say of a result, by name."""
+    return {measure.name: measure.of(result) for measure in measures}

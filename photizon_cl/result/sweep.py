@@ -16,6 +16,7 @@ from photizon_cl.scene.sweep_values import plain_value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
+    from pathlib import Path
 
     import xarray as xr
 
@@ -134,6 +135,10 @@ class SweepTable:
         was not looked at, as when a sweep is opened.
     batch_values : callable
         Gives what each batch of a point gave, by measure.
+    folder : Path or None
+        Where it is kept.
+    interrupted : bool
+        Whether Ctrl-C ended the call.
     """
 
     plan: SweepPlan
@@ -141,6 +146,8 @@ class SweepTable:
     points: tuple[SweepPoint, ...]
     programs: int | None = None
     batch_values: Callable[[int], Mapping[str, Measured]] = field(default=lambda _: {}, repr=False)
+    folder: Path | None = None
+    interrupted: bool = False
 
     def __iter__(self) -> Iterator[SweepPoint]:
         return iter(self.points)

@@ -85,7 +85,9 @@ def point_text(point: SweepPoint) -> str:
     return json.dumps(out, indent=2, ensure_ascii=True, allow_nan=False) + "\n"
 
 
-def read_point(file: Path, number: int, values: Mapping[str, Any], names: tuple[str, ...]) -> SweepPoint:
+def read_point(
+    file: Path, number: int, values: Mapping[str, Any], names: tuple[str, ...]
+) -> SweepPoint:
     """Return the point that a file holds.
 
     Parameters

@@ -34,11 +34,15 @@ _KEYS: Final = ("schema", "scene", "vary", "run", "measure", "title", "notes")
 _VARY_KEYS: Final = ("path", "values", *SPACINGS, "together", "name")
 _TAKEN: Final = ("point", "digest", "batches", "rays", "seconds", "stopped")
 """Columns of a sweep's table that are always there."""
-_COLUMNS: Final = tuple(f"{dot}{end}" for dot in "._" for end in ("sigma", "change", "change_sigma"))
+_COLUMNS: Final = tuple(
+    f"{dot}{end}" for dot in "._" for end in ("sigma", "change", "change_sigma")
+)
 """How the names end of what stands beside a measure's values."""
 
 
-def read_sweep(source: str | os.PathLike[str] | Mapping[str, Any]) -> SweepPlan:
+def read_sweep(
+    source: str | os.PathLike[str] | Mapping[str, Any], run: Mapping[str, Any] | None = None
+) -> SweepPlan:
     """Read a sweep file, or its tables; its points are not looked at.
 
     Parameters
@@ -46,6 +50,8 @@ def read_sweep(source: str | os.PathLike[str] | Mapping[str, Any]) -> SweepPlan:
     source : str, path or mapping
         A scene's path in a file is relative to that file; in tables ``scene`` may be a `Scene`, or
         tables, as well.
+    run : mapping, optional
+        Settings that go before those of the file's ``[run]``.
 
     Raises
     ------
@@ -53,14 +59,22 @@ def read_sweep(source: str | os.PathLike[str] | Mapping[str, Any]) -> SweepPlan:
         With every problem of the file.
     """
     if isinstance(source, Mapping):
-        return _Reader(None, Path()).read(source)
+        return _Reader(None, Path()).read(_with(source, run))
     if not isinstance(source, str | os.PathLike):
         raise SceneError(
             [Problem("sweep", show(source), "the path of a sweep file, or its tables")]
         )
     path = Path(os.fsdecode(source))
     tables, file = read_tables(path, "a sweep file")
-    return _Reader(file, path.parent).read(tables)
+    return _Reader(file, path.parent).read(_with(tables, run))
+
+
+def _with(tables: Any, run: Mapping[str, Any] | None) -> Any:
+    """Return a file's tables with other settings."""
+    if not run or not isinstance(tables, Mapping):
+        return tables
+    own = tables.get("run", {})
+    return {**tables, "run": {**own, **run}} if isinstance(own, Mapping) else tables
 
 
 class _Reader:
