@@ -52,7 +52,8 @@ VERBS: Final = (
         "photizon_cl.cli.check",
     ),
     ("run", "trace a scene", "photizon_cl.cli.run"),
-    ("resume", "go on with a run that ended or was killed", "photizon_cl.cli.resume"),
+    ("resume", "go on with a run or a sweep that ended or was killed", "photizon_cl.cli.resume"),
+    ("sweep", "trace a scene at many values of its parameters", "photizon_cl.cli.sweep"),
     ("compare", "show how two runs differ, with errors", "photizon_cl.cli.compare"),
     (
         "cost",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import ArgumentError, ResultError
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["SWEEP_RESULT_SCHEMA", "SweepPoint", "SweepTable"]
 
 SWEEP_RESULT_SCHEMA: Final = "photizon-sweep-result/1"
-_NOTHING: Final[Mapping[str, Estimate]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -66,8 +64,8 @@ class SweepPoint:
     number: int
     values: Mapping[str, Any]
     digest: str = ""
-    measures: Mapping[str, Estimate] = _NOTHING
-    change: Mapping[str, Estimate] = _NOTHING
+    measures: Mapping[str, Estimate] = field(default_factory=dict)
+    change: Mapping[str, Estimate] = field(default_factory=dict)
     scene_digest: str = ""
     seed: int = 0
     rays_per_batch: int = 0
@@ -116,7 +114,7 @@ def _plain(found: Estimate) -> dict[str, Any]:
     return out
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SweepTable:
     """A sweep's points and what was measured.
 
@@ -145,7 +143,7 @@ class SweepTable:
     measured: tuple[Measure, ...]
     points: tuple[SweepPoint, ...]
     programs: int | None = None
-    batch_values: Callable[[int], Mapping[str, Measured]] = field(default=lambda _: {}, repr=False)
+    batch_values: Callable[[int], Mapping[str, Measured]] = field(default=lambda _: {})
     folder: Path | None = None
     interrupted: bool = False
 
