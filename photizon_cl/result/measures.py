@@ -176,7 +176,7 @@ class Pst(Measure):
     def meaning(self) -> str:
         """State the normalisation."""
         return (
-            f"PST = (P/A)/(Φ/S): mean irradiance of {self.detector!r}, its power P over the area A "
+            f"(P/A)/(Φ/S): mean irradiance of {self.detector!r}, its power P over the area A "
             f"of the side that it counts, over the irradiance of the beam of {self.source!r}, its "
             "flux Φ over its own cross-section S (across the beam, no cosine)"
         )

@@ -99,6 +99,8 @@ class _Check:
         self.found: dict[tuple[str, str, str], tuple[Problem, int, int]] = {}
         self.common: dict[tuple[str, ...], Common] = {}
         self.measured: list[Measure] | None = None
+        self.scenes = 0
+        """Points that are scenes."""
 
     def run(self) -> Checked:
         plan = self.plan
@@ -150,6 +152,7 @@ class _Check:
             for line in str(error).split("\n"):
                 self.note(number, _problem("", line))
         else:
+            self.scenes += 1
             self.measures(number, compiled)
             needs = Common.of(scene, compiled.tables.spec, compiled.effects & _OWN)
             before = self.common.get(kinds_of(scene))
@@ -179,11 +182,11 @@ class _Check:
         problems = []
         n = len(self.plan)
         for kept, first, times in self.found.values():
-            path = kept.path
-            if not path.startswith("measure.") or times < n:
-                path = f"point {first}: {path}" if path else f"point {first}"
+            path = f"point {first}: {kept.path}" if kept.path else f"point {first}"
             where = f"at {self.plan.said(first)}"
-            if times == n and n > 1:
+            if kept.path.startswith("measure.") and times == self.scenes:
+                path, where = kept.path, ""  # the measure is wrong, and no point
+            elif times == n and n > 1:
                 where = "at every point"
             elif times > 1:
                 where += f" and {times - 1} more point{'s' * (times > 2)}"

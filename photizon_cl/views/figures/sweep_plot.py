@@ -43,11 +43,11 @@ _WIDE: Final = 30.0
 
 @styled
 def draw_sweep(sweep: SweepTable, measures: Sequence[str] | None = None) -> Figure:
-    """Draw what a sweep measured over the values of its last axis, with error bars of ± 1 σ.
+    """Draw what a sweep measured over the axis of most values, with error bars of ± 1 σ.
 
-    A curve for each set of values of the other axes, up to eight, evenly chosen where there are
-    more. An axis in equal factors is logarithmic, and so is a measure whose values are all above 0
-    and span a factor of more than 30.
+    That is one of numbers, where there is any. A curve for each set of values of the other axes, up
+    to eight, evenly chosen where there are more. An axis in equal factors is logarithmic, and so is
+    a measure whose values are all above 0 and span a factor of more than 30.
 
     Parameters
     ----------
@@ -67,8 +67,9 @@ def draw_sweep(sweep: SweepTable, measures: Sequence[str] | None = None) -> Figu
         Where there is no such measure, or nothing to draw.
     """
     names = _chosen(sweep, measures)
-    curves, left_out = _curves(sweep)
-    group = sweep.plan.groups[-1]
+    along = _along(sweep)
+    curves, left_out = _curves(sweep, along)
+    group = sweep.plan.groups[along]
     axis = next((one for one in group if one.numeric), group[0])
     notes = _notes(sweep, left_out, [n for n in sweep.names if n not in names])
     text = [(line, QUIET, "normal") for note in notes
@@ -87,7 +88,10 @@ def draw_sweep(sweep: SweepTable, measures: Sequence[str] | None = None) -> Figu
             one.set_xticks(at, texts, parse_math=False)
     panels.flat[-1].set_xlabel(axis.label, fontsize=LABEL, parse_math=False)
     if len(curves) > 1:
-        panels.flat[0].legend(fontsize=SMALL, frameon=False, handlelength=1.2)
+        panels.flat[0].legend(
+            fontsize=SMALL, frameon=False, handlelength=1.2, loc="upper left",
+            bbox_to_anchor=(1.0, 1.0),
+        )  # fmt: skip
     return page.figure
 
 
@@ -108,19 +112,28 @@ def _chosen(sweep: SweepTable, asked: Sequence[str] | None) -> list[str]:
     return names
 
 
-def _curves(sweep: SweepTable) -> tuple[list[tuple[str, list[int]]], int]:
+def _along(sweep: SweepTable) -> int:
+    """Return which dimension lies along the axis: of those of numbers the longest, or the last."""
+    sizes = [
+        (any(axis.numeric for axis in group), len(group[0].values), place)
+        for place, group in enumerate(sweep.plan.groups)
+    ]
+    return max(sizes)[2]
+
+
+def _curves(sweep: SweepTable, along: int) -> tuple[list[tuple[str, list[int]]], int]:
     """Return the label and the points of each curve, and how many are left out."""
-    n = sweep.plan.shape[-1]
-    groups = sweep.plan.groups[:-1]
+    shape = sweep.plan.shape
+    lines = np.moveaxis(np.arange(len(sweep)).reshape(shape), along, -1).reshape(-1, shape[along])
     found = []
-    for first in range(0, len(sweep), n):
-        place = sweep.plan.index(first)
+    for points in lines.tolist():
+        place = sweep.plan.index(points[0])
         label = ", ".join(
-            f"{axis.name} = {show(axis.values[at])}"
-            for group, at in zip(groups, place[:-1], strict=True)
-            for axis in group[:1]
+            f"{group[0].name} = {show(group[0].values[at])}"
+            for n, (group, at) in enumerate(zip(sweep.plan.groups, place, strict=True))
+            if n != along
         )
-        found.append((label, list(range(first, first + n))))
+        found.append((label, points))
     most = len(_COLOURS)
     if len(found) <= most:
         return found, 0
@@ -133,15 +146,14 @@ def _draw(
 ) -> None:
     """Draw one measure."""
     seen: list[float] = []
-    n = sweep.plan.shape[-1]
     for number, (label, points) in enumerate(curves):
-        done = [sweep[k] for k in points if sweep[k].done]
+        kept = [n for n, k in enumerate(points) if sweep[k].done]
+        done = [sweep[points[k]] for k in kept]
         values = np.array([point.measures[name].value for point in done])
         sigmas = np.array([point.measures[name].sigma or 0.0 for point in done])
-        places = at[[point.number % n for point in done]]
         style = number % len(_COLOURS)
         axes.errorbar(
-            places, values, yerr=sigmas, color=_COLOURS[style], marker=_MARKS[style],
+            at[kept], values, yerr=sigmas, color=_COLOURS[style], marker=_MARKS[style],
             markersize=3.5, linewidth=0.9, elinewidth=0.9, capsize=2.0,
             label=fitted(label, SMALL, 3.0) or None,
         )  # fmt: skip
