@@ -15,6 +15,7 @@ import pytest
 from tubes import a_sweep
 
 import photizon_cl as pz
+from hostcode.program.plan import ExecutionPlan
 from photizon_cl.run.directory import unfinished
 
 SCRIPT = Path(__file__).with_name("killed_sweep.py")
@@ -92,6 +93,8 @@ def test_killed_at_random_moments(tmp_path, sweeps, kills):
     angle = {"path": "source.sun.tilt_deg[0]", "linspace": [0, 10, 4 * kills]}
     file, folder = tmp_path / "angles.json", tmp_path / "out"
     file.write_text(json.dumps(a_sweep(angle, run={"batches": BATCHES})), encoding="utf-8")
+    # first, so that its program is compiled: else no sweep would live long enough for that
+    whole = pz.sweep(file, plan=ExecutionPlan(lanes=8, items=2, wave_rays=512))
     chance = random.Random(20261129)
     known: dict[str, tuple[int, int]] = {}
     done, midway = [], 0
@@ -115,7 +118,6 @@ def test_killed_at_random_moments(tmp_path, sweeps, kills):
     found = pz.open_sweep(folder).resume(figure=False)
     assert found.finished
     assert known.items() <= marks(folder).items()
-    whole = pz.sweep(file)
     assert [point.digest for point in found] == [point.digest for point in whole]
     numbers = [
         [p.summary()[key] for p in s] for key in ("measures", "change") for s in (found, whole)
