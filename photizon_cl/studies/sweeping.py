@@ -127,7 +127,12 @@ class Job:
             result = Result(compiled, tally, RunInfo(precision=self.checked.precision, goal=goal))
         else:
             result = Result(compiled, result.tally, result.info)
-        if not (result.batches and goal.reached(compiled.layout, result.tally)):
+        if result.batches and goal.reached(compiled.layout, result.tally):
+            # it died behind its last batch, before it could say so
+            ended = "batches" if result.batches == goal.batches else "target"
+            info = dataclasses.replace(result.info, stopped=ended)
+            result = Result(compiled, result.tally, info)
+        else:
             limited, ours = self._limited(goal, result)
             try:
                 result = go_on(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import signal
 import threading
@@ -12,7 +13,10 @@ from tubes import WALL, a_sweep
 
 import photizon_cl as pz
 from photizon_cl.atomic import Lock
-from photizon_cl.run import batches
+from photizon_cl.result.estimates import Estimates
+from photizon_cl.result.file import write_state
+from photizon_cl.result.stopping import Goal
+from photizon_cl.run import batches as running
 from photizon_cl.studies import sweeping
 
 SAME = a_sweep(WIDE)
@@ -22,7 +26,7 @@ SAME = a_sweep(WIDE)
 def traced(monkeypatch):
     """Return the first batch of every run that was made while the test runs."""
     begun = []
-    go_on = batches.go_on
+    go_on = running.go_on
 
     def noted(start, *args, **kwargs):
         begun.append(start.batches)
@@ -88,17 +92,21 @@ def test_points_that_died_behind_their_run_are_not_run_again(kept, traced):
     assert (kept / "points" / "0002" / "summary.json").exists()
 
 
-def test_a_point_goes_on_from_its_checkpoint(kept, traced):
+@pytest.mark.parametrize(("batches", "then"), [(3, [3]), (4, [])])
+def test_a_point_goes_on_from_its_checkpoint(kept, traced, batches, then):
     whole = pz.open_sweep(kept)
     home = kept / "points" / "0001"
     for file in home.iterdir():
         file.unlink()
-    pz.trace(whole.open(0).scene.replace({"source.sun.tilt_deg[0]": 4.0}), batches=3,
-             checkpoint=home)  # fmt: skip
-    assert (home / "checkpoint.nc").exists()
+    scene = whole.open(0).scene.replace({"source.sun.tilt_deg[0]": 4.0})
+    left = pz.trace(scene, batches=batches)
+    info = dataclasses.replace(left.info, goal=Goal(4), stopped="")  # as a run under way says
+    write_state(Estimates(left.compiled, left.tally, info), home / "checkpoint.nc")
     found = pz.open_sweep(kept).resume(figure=False)
-    assert traced == [3]
+    assert traced == then
     assert digests(found) == digests(whole)
+    assert found[1].stopped == "batches"
+    assert not (home / "checkpoint.nc").exists()
 
 
 def test_an_unfinished_one_is_told(kept):
@@ -220,7 +228,7 @@ def test_the_time_of_a_point_ends_the_point(tmp_path):
 
 
 def test_a_point_that_fails_is_told_and_the_others_go_on(tmp_path, monkeypatch):
-    go_on = batches.go_on
+    go_on = running.go_on
 
     def fails(start, *args, **kwargs):
         if start.scene.source["sun"].tilt_deg[0] == 4.0:
@@ -240,7 +248,7 @@ def test_a_point_that_fails_is_told_and_the_others_go_on(tmp_path, monkeypatch):
 
 
 def test_points_before_the_first_one_have_their_change_too(tmp_path, monkeypatch):
-    go_on = batches.go_on
+    go_on = running.go_on
 
     def fails(start, *args, **kwargs):
         if start.scene.source["sun"].tilt_deg[0] == 0.0:
