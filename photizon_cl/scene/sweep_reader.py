@@ -316,6 +316,7 @@ class _Reader:
                         where, show(axis.path), "a parameter that no other vary changes",
                         f"vary[{other}] changes {axes[other].path}",
                     )  # fmt: skip
+                    break
             if place[0] == "run" and len(place) > 1 and place[1] in run:
                 hint = f"the sweep's [run] sets {place[1]} for all points"
                 self.complain(where, show(axis.path), "a parameter that [run] does not set", hint)

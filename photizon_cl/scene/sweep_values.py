@@ -76,14 +76,12 @@ def _number(value: object) -> bool:
 
 
 def _even(first: float, last: float, n: int) -> list[Any]:
-    """Return n values in equal steps; integers where both ends are and every step is."""
+    """Return n values in equal steps; between integers, those that are whole are integers."""
     low, high = (Fraction(repr(end)) for end in (first, last))  # the decimals that were written
     step = (high - low) / (n - 1)
     values = [low + i * step for i in range(n)]
     whole = isinstance(first, int) and isinstance(last, int)
-    if whole and all(value.denominator == 1 for value in values):
-        return [int(value) for value in values]
-    return [float(value) for value in values]
+    return [int(v) if whole and v.denominator == 1 else float(v) for v in values]
 
 
 def _logarithmic(first: float, last: float, n: int) -> list[float]:
