@@ -42,13 +42,13 @@ BAD = {
         ("run.bathces: found 3, expected no such key; the run table of a sweep takes seed, "
         "rays_per_batch, target_sigma, max_seconds, generation_cap, roulette_floor, splitting, "
         "target_on, effects, batches, precision (did you mean batches?)"),
-        ("vary[0].valeus: found 1, expected no such key; a vary table takes path, values, linspace, "
-        "logspace, together, name (did you mean values?)"),
+        ("vary[0].valeus: found 1, expected no such key; a vary table takes path, values, "
+        "linspace, logspace, together, name (did you mean values?)"),
     ),
     "no such scene": (
         {**a_sweep(), "scene": "tubes.toml"},
-        ("tubes.toml: found no such file, expected a scene file in TOML or JSON (check the path, or "
-        "see the presets)"),
+        ("tubes.toml: found no such file, expected a scene file in TOML or JSON (check the path, "
+        "or see the presets)"),
     ),
     "no such preset": (
         {**a_sweep(), "scene": "box-rom"},
@@ -133,8 +133,8 @@ BAD = {
     ),
     "a single table": (
         {**a_sweep(), "vary": ANGLE},
-        ("vary: found a single table, expected an array of [[vary]] tables (write [[vary]] with two "
-        "brackets)"),
+        ("vary: found a single table, expected an array of [[vary]] tables (write [[vary]] with "
+        "two brackets)"),
     ),
     "ten million points": (
         a_sweep(*({"path": path, "linspace": [1, 2, 215]}
@@ -175,8 +175,8 @@ BAD = {
     ),
     "a value twice": (
         a_sweep(one(FLUX, 1, 2, 1.0)),
-        ("vary[0].values[2]: found 1.0 twice, expected every value once (values[0] is the same, and "
-        "so would be its points)"),
+        ("vary[0].values[2]: found 1.0 twice, expected every value once (values[0] is the same, "
+        "and so would be its points)"),
     ),
     "settings": (
         a_sweep(WALL, run={"seed": "x", "max_seconds": 0}),
@@ -203,8 +203,8 @@ BAD = {
     "a quantity of some points": (
         a_sweep(one("element.sensor.detector.generations", 2, 4),
                 measure={"late": "detectors.sensor.ladder[3]"}),
-        ("point 0: measure.late: detectors.sensor.ladder[3]: found generation 3, expected one below "
-        "2 (at element.sensor.detector.generations = 2)"),
+        ("point 0: measure.late: detectors.sensor.ladder[3]: found generation 3, expected one "
+        "below 2 (at element.sensor.detector.generations = 2)"),
     ),
     "a map": (
         a_sweep(one("element.sensor.detector.map", [2, 2], [3, 3]),
@@ -213,8 +213,8 @@ BAD = {
     ),
     "no pst": (
         a_sweep(WALL, measure={"a": {"pst": "sensor"}, "b": {"pst": "sensor", "source": 3}}),
-        ('measure.a: found {pst = "sensor"}, expected "detectors.NAME.power", { ratio = [Q, Q] } or '
-        '{ pst = "DETECTOR", source = "SOURCE" } (a PST names its source)'),
+        ('measure.a: found {pst = "sensor"}, expected "detectors.NAME.power", { ratio = [Q, Q] } '
+        'or { pst = "DETECTOR", source = "SOURCE" } (a PST names its source)'),
         'measure.b: found {pst = "sensor", source = 3}, expected "detectors.NAME.power"',
     ),
     "pst of what is not there": (
@@ -313,7 +313,7 @@ def test_a_scene_stands_beside_its_sweep(tmp_path, monkeypatch):
     ("table", "values"),
     [
         ({"linspace": [0, 60, 61]}, list(range(61))),
-        ({"linspace": [0, 1, 11]}, [n / 10 for n in range(11)]),
+        ({"linspace": [0, 1, 11]}, [0, *(n / 10 for n in range(1, 10)), 1]),
         ({"linspace": [0.1, 0.5, 5]}, [0.1, 0.2, 0.3, 0.4, 0.5]),
         ({"linspace": [3, -3, 4]}, [3, 1, -1, -3]),
         ({"logspace": [1e-3, 1, 4]}, [0.001, 0.01, 0.1, 1.0]),
