@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from typing import TYPE_CHECKING, Final
 
@@ -116,10 +117,14 @@ def show_sweep(found: Sweep, out: Console) -> None:
     out.print()
     shown = _chosen(found)
     axes = found.plan.axes
-    columns = [(axis.label, "right" if axis.numeric else "left") for axis in axes]
+    shorts = _shorts(found)
+    columns = [
+        (f"{short}, {axis.unit}" if axis.unit else short, "right" if axis.numeric else "left")
+        for axis, short in zip(axes, shorts, strict=True)
+    ]
     for measure in shown:
         unit = "" if measure.unit == "1" else f", {measure.unit}"
-        columns += [(f"{measure.name}{unit}", "right"), ("± σ", "right")]
+        columns += [(f"{measure.name.removeprefix('detectors.')}{unit}", "right"), ("± σ", "right")]
     rows = table(("point", "right"), *columns, ("batches", "right"))
     for point in found.points[:_MOST_ROWS]:
         cells = [
@@ -131,13 +136,17 @@ def show_sweep(found: Sweep, out: Console) -> None:
                 cells += ["failed" if point.why else "–", ""]
                 continue
             value = point.measures[measure.name]
-            cells += list(with_error(value.value, value.sigma))
+            none = math.isnan(value.value)  # a ratio to nothing
+            cells += ["–", ""] if none else list(with_error(value.value, value.sigma))
         rows.add_row(str(point.number), *map(Text, cells), str(point.batches or ""))
     print_table(rows, out)
     if len(found) > _MOST_ROWS:
         out.print(f"… {len(found) - _MOST_ROWS} more points")
     left = [m.name for m in found.measured if m not in shown]
     out.print()
+    for axis, short in zip(axes, shorts, strict=True):
+        if short != axis.path:
+            out.print(paragraph(printable(f"{short}: {axis.path}"), ""), soft_wrap=True)
     for measure in shown:
         if measure.meaning != measure.name:
             text = f"{measure.name}: {measure.meaning}"
@@ -156,6 +165,15 @@ def _chosen(found: Sweep) -> list[Measure]:
     powers = [m for m in found.measured if m.name.endswith(".power")]
     escaped = [m for m in found.measured if m.name == "ledger.escaped"]
     return (powers + escaped)[:_MOST_MEASURES]
+
+
+def _shorts(found: Sweep) -> list[str]:
+    """Return what the axes are called in a narrow table: the end of a path where it tells."""
+    axes = found.plan.axes
+    ends = [axis.name.rpartition(".")[2] if axis.name == axis.path else axis.name for axis in axes]
+    return [
+        end if ends.count(end) == 1 else axis.name for axis, end in zip(axes, ends, strict=True)
+    ]
 
 
 def _about(found: Sweep) -> str:
