@@ -66,7 +66,11 @@ VERBS: Final = (
         "photizon_cl.cli.effects",
     ),
     ("recipe", "print a token that reproduces a run bit for bit", "photizon_cl.cli.recipe"),
-    ("report", "write a saved result as one self-contained HTML page", "photizon_cl.cli.report"),
+    (
+        "report",
+        "write a saved result or sweep as one self-contained HTML page",
+        "photizon_cl.cli.report",
+    ),
     ("show", "draw a scene with traced ray paths", "photizon_cl.cli.show"),
     (
         "stability",

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from photizon_cl.result.sweep import SweepTable
+    from photizon_cl.scene.sweeps import Axis
 
 __all__ = ["draw_sweep"]
 
@@ -129,7 +130,7 @@ def _curves(sweep: SweepTable, along: int) -> tuple[list[tuple[str, list[int]]],
     for points in lines.tolist():
         place = sweep.plan.index(points[0])
         label = ", ".join(
-            f"{group[0].name} = {show(group[0].values[at])}"
+            f"{group[0].name} = {_short(group[0], at)}"
             for n, (group, at) in enumerate(zip(sweep.plan.groups, place, strict=True))
             if n != along
         )
@@ -139,6 +140,12 @@ def _curves(sweep: SweepTable, along: int) -> tuple[list[tuple[str, list[int]]],
         return found, 0
     kept = sorted({round(k * (len(found) - 1) / (most - 1)) for k in range(most)})
     return [found[k] for k in kept], len(found) - len(kept)
+
+
+def _short(axis: Axis, at: int) -> str:
+    """Return a value of an axis as it stands in a legend."""
+    value = axis.values[at]
+    return f"{value:.4g}" if axis.numeric else value_text(value)
 
 
 def _draw(
