@@ -13,6 +13,7 @@ as they are, never smoothed or interpolated, and are hatched where fewer than 10
 ``draw_ladder``              a detector's power by generation
 ``draw_convergence``         σ against rays and against seconds
 ``draw_layout``              sections through the scene, with or without rays
+``draw_sweep``               what a sweep measured, with error bars
 ===========================  =====================================================
 
 Each is there without ``draw_`` as well: ``figures.ledger(result)``.
@@ -30,11 +31,13 @@ from photizon_cl.views.figures.layout_plot import draw_layout
 from photizon_cl.views.figures.ledger_plot import draw_ledger
 from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
 from photizon_cl.views.figures.style import FORMATS
+from photizon_cl.views.figures.sweep_plot import draw_sweep
 from photizon_cl.views.figures.table import FIGURES, draw_all, figure_names, write_all
 
 irradiance, relative_sigma = draw_irradiance, draw_relative_sigma
 far_field, far_field_cuts = draw_far_field, draw_far_field_cuts
 ledger, ladder, convergence, layout = draw_ledger, draw_ladder, draw_convergence, draw_layout
+sweep = draw_sweep
 
 __all__ = [
     "FIGURES",
@@ -49,6 +52,7 @@ __all__ = [
     "draw_layout",
     "draw_ledger",
     "draw_relative_sigma",
+    "draw_sweep",
     "far_field",
     "far_field_cuts",
     "figure_names",
@@ -57,5 +61,6 @@ __all__ = [
     "layout",
     "ledger",
     "relative_sigma",
+    "sweep",
     "write_all",
 ]
