@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from photizon_cl.errors import ArgumentError, ResultError
 from photizon_cl.result.comparison import Difference, difference_of
 from photizon_cl.result.ledger import Estimate
+from photizon_cl.result.sweep_arrays import SWEEP_RESULT_SCHEMA, dataset, table
 from photizon_cl.scene.names import unknown_name
 from photizon_cl.scene.sweep_values import plain_value
 
@@ -23,9 +24,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.measures import Measure, Measured
     from photizon_cl.scene.sweeps import SweepPlan
 
-__all__ = ["SWEEP_RESULT_SCHEMA", "SweepPoint", "SweepTable"]
-
-SWEEP_RESULT_SCHEMA: Final = "photizon-sweep-result/1"
+__all__ = ["SweepPoint", "SweepTable", "compared", "empty_point", "point_of", "with_change"]
 
 
 @dataclass(frozen=True)
@@ -256,14 +255,10 @@ class SweepTable:
         share a stream, ``NAME.change`` and ``NAME.change_sigma``; besides ``digest``, ``batches``,
         ``rays``, ``seconds`` and ``stopped``. NaN where a point has not been run.
         """
-        from photizon_cl.result.sweep_arrays import dataset
-
         return dataset(self)
 
     def to_csv(self) -> str:
         """Return the table as CSV, a row for each point."""
-        from photizon_cl.result.sweep_arrays import table
-
         return table(self)
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from photizon_cl.result.csv_tables import csv_text
-from photizon_cl.result.sweep import SWEEP_RESULT_SCHEMA
 from photizon_cl.scene.sweep_values import value_text
 
 if TYPE_CHECKING:
@@ -18,7 +17,9 @@ if TYPE_CHECKING:
     from photizon_cl.result.sweep import SweepTable
     from photizon_cl.scene.sweeps import Axis
 
-__all__ = ["dataset", "table"]
+__all__ = ["SWEEP_RESULT_SCHEMA", "dataset", "table"]
+
+SWEEP_RESULT_SCHEMA: Final = "photizon-sweep-result/1"
 
 
 def dataset(sweep: SweepTable) -> xr.Dataset:
