@@ -154,6 +154,8 @@ def show_sweep(found: Sweep, out: Console) -> None:
     if left:
         named = ", ".join(left[:6]) + (f" and {len(left) - 6} more" if len(left) > 6 else "")
         out.print(paragraph(f"measured too: {printable(named)}", ""), soft_wrap=True)
+    for text in found.advisories:
+        out.print(paragraph(printable(f"advisory: {text}"), ""), soft_wrap=True)
     if found.folder is not None:
         out.print(f"written to {printable(str(found.folder))}", soft_wrap=True)
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import ArgumentError, ResultError
 from photizon_cl.result.comparison import Difference, difference_of
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     from photizon_cl.scene.sweeps import SweepPlan
 
 __all__ = ["SweepPoint", "SweepTable", "compared", "empty_point", "point_of", "with_change"]
+
+
+_NUMBERS: Final = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,8 @@ class SweepPoint:
         Why it failed.
     engine : str
         Digest of the sources that fix its bits.
+    advisories : tuple of str
+        What deserves a second look, such as a σ that is not to be believed yet.
     """
 
     number: int
@@ -73,6 +79,7 @@ class SweepPoint:
     stopped: str = ""
     why: str = ""
     engine: str = ""
+    advisories: tuple[str, ...] = ()
 
     @property
     def done(self) -> bool:
@@ -103,6 +110,7 @@ class SweepPoint:
             "stopped": self.stopped,
             "measures": {name: _plain(found) for name, found in self.measures.items()},
             "change": {name: _plain(found) for name, found in self.change.items()},
+            "advisories": list(self.advisories),
         }
         return out | ({"why": self.why} if self.why else {})
 
@@ -180,6 +188,18 @@ class SweepTable:
         return self.n_done == len(self.points)
 
     @property
+    def advisories(self) -> tuple[str, ...]:
+        """What deserves a second look at some points, each once, with how many they are.
+
+        Texts that differ in numbers alone count as one: that of the first point.
+        """
+        found: dict[str, tuple[str, list[int]]] = {}
+        for point in self.points:
+            for text in point.advisories:
+                found.setdefault(_NUMBERS.sub("#", text), (text, []))[1].append(point.number)
+        return tuple(_at(text, numbers, self.n_done) for text, numbers in found.values())
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of what was measured."""
         return tuple(measure.name for measure in self.measured)
@@ -244,6 +264,7 @@ class SweepTable:
             ],
             "programs": self.programs,
             "done": self.n_done,
+            "advisories": list(self.advisories),
             "points": [point.summary() for point in self.points],
         }
 
@@ -260,6 +281,13 @@ class SweepTable:
     def to_csv(self) -> str:
         """Return the table as CSV, a row for each point."""
         return table(self)
+
+
+def _at(text: str, numbers: list[int], done: int) -> str:
+    if len(numbers) == done > 1:
+        return f"at every point: {text}"
+    more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
+    return f"at point {numbers[0]}{more}: {text}"
 
 
 def compared(
@@ -303,6 +331,7 @@ def point_of(
         seconds=result.info.seconds,
         stopped=result.info.stopped,
         engine=result.info.engine,
+        advisories=tuple(result.advisories),
     )
 
 

@@ -140,6 +140,7 @@ def _point(
         measures={name: _estimate(found["measures"][name]) for name in names},
         change={name: _estimate(one) for name, one in found["change"].items()},
         seconds=_number(found["seconds"]),
+        advisories=tuple(map(_text_of, found["advisories"])),
     )
 
 
@@ -150,6 +151,12 @@ def _estimate(found: dict[str, Any]) -> Estimate:
     if count is not None and type(count) is not int:
         raise TypeError("count")
     return Estimate(value, sigma, count)
+
+
+def _text_of(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError("a text is missing")
+    return value
 
 
 def _number(value: object) -> float:

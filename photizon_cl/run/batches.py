@@ -158,10 +158,14 @@ def go_on(
     executor: Executor | None,
     plan: ExecutionPlan | None,
     checkpoint: str | os.PathLike[str] | None,
+    keeping: Callable[[str | os.PathLike[str], Estimates], Keeper] = Keeper,
 ) -> _E:
-    """Add batches to a result that nobody else holds until its goal is reached."""
+    """Add batches to a result that nobody else holds until its goal is reached.
+
+    `keeping` makes what writes the checkpoints.
+    """
     plan = _fitting(start.compiled, device, executor, plan, goal, saved=checkpoint is not None)
-    keeper = None if checkpoint is None else Keeper(checkpoint, start)
+    keeper = None if checkpoint is None else keeping(checkpoint, start)
     try:
         return _add_batches(start, goal, device, progress, executor, plan, keeper)
     except MemoryError as error:  # others took what was there when it began

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import ArgumentError, ResultError, RunError
 from photizon_cl.result.batch_values import MOST_VALUES
@@ -12,18 +12,21 @@ from photizon_cl.result.measures import measured_by
 from photizon_cl.result.statistics import Accumulator
 from photizon_cl.result.sweep import empty_point, point_of, with_change
 from photizon_cl.run.batches import go_on
+from photizon_cl.run.checkpoint import Keeper
 from photizon_cl.run.distribution import open_chosen
 from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.result import Result
 from photizon_cl.studies.sweep_progress import SweepClock, SweepProgress
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable, Mapping
     from concurrent.futures import Executor
 
     from hostcode.device.device import DeviceRecord
     from hostcode.program.plan import ExecutionPlan
     from hostcode.program.spec import ProgramSpec
+    from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.measures import Measured
     from photizon_cl.result.stopping import Goal
     from photizon_cl.result.sweep import SweepPoint
@@ -33,7 +36,23 @@ if TYPE_CHECKING:
 
 __all__ = ["Job"]
 
-_ENDED = ("batches", "target", "time", "memory")
+_REACHED: Final = ("batches", "target")
+_ENDED: Final = (*_REACHED, "time", "memory")
+
+
+class PointKeeper(Keeper):
+    """Writes the checkpoints of a point on its way: none before, and none where it has ended.
+
+    The sweep's file knows its goal, and its result is written at once.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], start: Estimates) -> None:
+        super().__init__(path, start, at_once=False)
+
+    def note(self, now: Callable[[], Estimates], *, last: bool = False) -> None:
+        """Write a checkpoint where one is due, or the run ends before its goal."""
+        if not (last and now().info.stopped in _REACHED):
+            super().note(now, last=last)
 
 
 class Job:
@@ -140,6 +159,7 @@ class Job:
                     lambda now: self._tell(number, behind, now),
                     self.executor, self.how,
                     None if self.folder is None else self.folder.home(number),
+                    PointKeeper,
                 )  # fmt: skip
             except KeyboardInterrupt:
                 if asked():

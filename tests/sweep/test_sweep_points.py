@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -184,6 +185,12 @@ def test_settings_of_the_sweep_go_before_those_of_the_scene():
     assert again[0].digest == found[0].digest
 
 
+def test_workers_give_the_same_bits(swept):
+    with ThreadPoolExecutor(2) as executor:
+        found = pz.sweep(a_sweep({**ANGLE, "linspace": [3, 4, 2]}), executor=executor)
+    assert [point.digest for point in found] == [swept[3].digest, swept[4].digest]
+
+
 def test_a_point_ends_at_its_target():
     found = pz.sweep(a_sweep(WALL, run={"target_sigma": 0.05}))
     traced = pz.trace(SCENE, target=0.05)
@@ -305,6 +312,17 @@ def test_it_says_what_it_is(swept):
     with pytest.raises(pz.ResultError, match="give out="):
         swept.resume()
     assert set(MEASURE) == set(swept.names)
+
+
+def test_advisories_are_told_once_with_their_points():
+    walls = {"path": "element.tube.surface.reflectance", "values": [0.9, 0.95, 0.0]}
+    found = pz.sweep(a_sweep(walls, run={"batches": 3, "generation_cap": 1}))
+    first, *others = found.advisories
+    assert first.startswith("at every point: σ from 3 batches is itself uncertain")
+    (capped,) = (text for text in others if "was still under way" in text)
+    assert capped.startswith("at point 0 and 1 more: ")  # with the number of point 0
+    assert capped.partition(": ")[2] in found[0].advisories
+    assert not any("under way" in text for text in found[2].advisories)
 
 
 def test_csv_has_every_number_to_the_bit(swept):

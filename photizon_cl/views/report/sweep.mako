@@ -40,6 +40,13 @@ ${style}
 <div><dt>${name}</dt><dd><small>${meaning}</small></dd></div>
 % endfor
 </dl>
+% if advisories:
+<ul class="advice">
+% for text in advisories:
+<li>${text}</li>
+% endfor
+</ul>
+% endif
 % if drawing:
 <figure>
 <img src="${drawing.source}" width="${drawing.size[0]}" height="${drawing.size[1]}" alt="${drawing.alt}">

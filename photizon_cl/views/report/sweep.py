@@ -44,6 +44,7 @@ def render_sweep(sweep: SweepTable) -> str:
             scene_name=plan.scene.name,
             notes=plan.notes.strip(),
             summary=_summary(sweep),
+            advisories=sweep.advisories,
             measures=[(m.name, m.meaning) for m in shown],
             drawing=_drawn(sweep),
             points=_points(sweep, shown),
