@@ -1,7 +1,8 @@
 """Sweeps that checkpoint at every wave, to be killed: each a process of its own.
 
 A line ``[FILE, FOLDER]`` on standard input forks one, which begins the sweep or goes on with it; it
-says ``ready`` and its number, and ``running`` at its first point. The next line asks how it ended.
+says ``ready`` and its number, ``running`` after its first batch, and
+``done``. The next line asks how it ended.
 """
 
 import json
@@ -27,7 +28,7 @@ def run(file: str, folder: str) -> None:
     said = []
 
     def progress(now):
-        if not said and now.number >= 0:
+        if not said and now.point is not None:  # its program has been loaded
             said.append(now.number)
             print("running", flush=True)
 

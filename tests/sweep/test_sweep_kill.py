@@ -15,7 +15,6 @@ import pytest
 from tubes import a_sweep
 
 import photizon_cl as pz
-from hostcode.program.plan import ExecutionPlan
 from photizon_cl.run.directory import unfinished
 
 SCRIPT = Path(__file__).with_name("killed_sweep.py")
@@ -26,11 +25,14 @@ BATCHES = 5
 class Sweeps:
     """Starts sweeps, one at a time, and kills them; see killed_sweep.py."""
 
-    def __init__(self) -> None:
+    def __init__(self, cache: Path) -> None:
+        cache.mkdir()
+        # a cache of their own: one that is killed while it loads a program spoils that
+        own = {"PYTHONPATH": str(ROOT), "POCL_CACHE_DIR": str(cache)}
         self.process = subprocess.Popen(
             [sys.executable, SCRIPT],
             cwd=ROOT,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            env={**os.environ, **own},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -55,6 +57,14 @@ class Sweeps:
         if until == "running":
             assert self.hear() == ["running"]
 
+    def wait(self) -> None:
+        """Wait until the sweep is done."""
+        while self.hear() != ["done"]:
+            pass
+        self.number = None
+        self.say("")
+        assert self.hear() == ["ended", "0"]
+
     def kill(self) -> bool:
         """Kill the sweep, whatever it is at; say whether it was done before."""
         assert self.number is not None
@@ -69,8 +79,8 @@ class Sweeps:
 
 
 @pytest.fixture
-def sweeps():
-    made = Sweeps()
+def sweeps(tmp_path):
+    made = Sweeps(tmp_path / "cache")
     yield made
     if made.number is not None:  # the test failed on the way
         os.kill(made.number, signal.SIGKILL)
@@ -94,7 +104,11 @@ def test_killed_at_random_moments(tmp_path, sweeps, kills):
     file, folder = tmp_path / "angles.json", tmp_path / "out"
     file.write_text(json.dumps(a_sweep(angle, run={"batches": BATCHES})), encoding="utf-8")
     # first, so that its program is compiled: else no sweep would live long enough for that
-    whole = pz.sweep(file, plan=ExecutionPlan(lanes=8, items=2, wave_rays=512))
+    one = tmp_path / "one.json"
+    tables = a_sweep({**angle, "linspace": [0, 10, 2]}, run={"batches": 1})
+    one.write_text(json.dumps(tables), encoding="utf-8")
+    sweeps.start(one, tmp_path / "one", "running")
+    sweeps.wait()
     chance = random.Random(20261129)
     known: dict[str, tuple[int, int]] = {}
     done, midway = [], 0
@@ -117,6 +131,7 @@ def test_killed_at_random_moments(tmp_path, sweeps, kills):
     assert midway > 0  # ... and into them
     found = pz.open_sweep(folder).resume(figure=False)
     assert found.finished
+    whole = pz.sweep(file)
     assert known.items() <= marks(folder).items()
     assert [point.digest for point in found] == [point.digest for point in whole]
     numbers = [

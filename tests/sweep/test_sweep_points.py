@@ -315,14 +315,15 @@ def test_it_says_what_it_is(swept):
 
 
 def test_advisories_are_told_once_with_their_points():
-    walls = {"path": "element.tube.surface.reflectance", "values": [0.9, 0.95, 0.0]}
-    found = pz.sweep(a_sweep(walls, run={"batches": 3, "generation_cap": 1}))
-    first, *others = found.advisories
+    caps = {"path": "run.generation_cap", "values": [4, 8, 1000]}
+    run = {"batches": 3, "rays_per_batch": 256}
+    found = pz.sweep(a_sweep(caps, run=run, measure={}) | {"scene": "integrating-sphere"})
+    first, second, *_ = found.advisories
     assert first.startswith("at every point: σ from 3 batches is itself uncertain")
-    (capped,) = (text for text in others if "was still under way" in text)
-    assert capped.startswith("at point 0 and 1 more: ")  # with the number of point 0
-    assert capped.partition(": ")[2] in found[0].advisories
-    assert not any("under way" in text for text in found[2].advisories)
+    assert second.startswith("at point 0 and 1 more: ")
+    assert second.removeprefix("at point 0 and 1 more: ") in found[0].advisories
+    assert "generation cap of 4" in second
+    assert not any("generation cap" in text for text in found[2].advisories)
 
 
 def test_csv_has_every_number_to_the_bit(swept):
