@@ -317,8 +317,9 @@ class _Reader:
                         f"vary[{other}] changes {axes[other].path}",
                     )  # fmt: skip
                     break
-            if place[0] == "run" and len(place) > 1 and place[1] in run:
-                hint = f"the sweep's [run] sets {place[1]} for all points"
+            if place[0] == "run" and run and (len(place) == 1 or place[1] in run):
+                some = "some of it" if len(place) == 1 else place[1]
+                hint = f"the sweep's [run] sets {some} for all points"
                 self.complain(where, show(axis.path), "a parameter that [run] does not set", hint)
             places.append(place)
             found.append(replace(axis, unit=unit))
@@ -338,12 +339,20 @@ class _Reader:
                 self.complain(f"vary[{n}].name", show(axis.name), "a name of its own", hint)
             taken[axis.name] = f"vary[{n}]"
         found: dict[str, Any] = {}
-        for name, value in given.items():
-            where = join("measure", key(name))
-            read = Name().read(name, where, self.problems)
-            if read in taken:
-                self.complain(where, show(name), "a name of its own", f"{taken[read]} is called so")
-            found[str(name)] = value
+        for given_name, value in given.items():
+            where = join("measure", key(given_name))
+            name = Name().read(given_name, where, self.problems)
+            if not isinstance(name, str):
+                continue
+            for column in (name, *(f"{name}{end}" for end in _COLUMNS)):
+                if column in taken:
+                    what = "a name of its own"
+                    if column != name:
+                        what = f"a name beside which {show(column)} is free"
+                    hint = f"{taken[column]} is called so"
+                    self.complain(where, show(given_name), what, hint)
+                    break
+            found[name] = value
             taken |= {f"{name}{end}": f"a column of {where}" for end in _COLUMNS}
-            taken[str(name)] = where
+            taken[name] = where
         return found

@@ -104,7 +104,7 @@ def value_text(value: Any) -> str:
     """Return a value as it stands in tables: numbers and words as they are, else as JSON."""
     if isinstance(value, str):
         return value
-    return json.dumps(plain_value(value), ensure_ascii=False, sort_keys=True)
+    return json.dumps(plain_value(value), ensure_ascii=False, sort_keys=True, default=str)
 
 
 def plain_value(value: Any) -> Any:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from photizon_cl.errors import ArgumentError, ResultError, show
 from photizon_cl.result.measures import measured_by
 from photizon_cl.result.sweep import SweepTable
+from photizon_cl.run.distribution import open_chosen
 from photizon_cl.scene.sweep_reader import read_sweep
 from photizon_cl.studies.sweep_folder import SweepFolder
 from photizon_cl.studies.sweep_points import checked, measures_at
@@ -199,6 +200,8 @@ def sweep(
         names = tuple(measure.name for measure in found.measured)
         if folder.check_new(asked, names):
             return open_sweep(folder.folder)
+    if executor is None:
+        open_chosen(str(device) if isinstance(device, int) else device)  # before DIR is made
     return _run(
         found, folder, max_seconds=max_seconds, device=device, progress=progress,
         executor=executor, plan=plan, figure=figure, begin=True,

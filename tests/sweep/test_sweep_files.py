@@ -113,6 +113,20 @@ BAD = {
         ('measure.a_sigma: found "a_sigma", expected a name of its own (a column of measure.a is '
         "called so)"),
     ),
+    "columns of two measures": (
+        a_sweep({**ANGLE, "name": "b.sigma"},
+                measure={"a_sigma": "ledger.escaped", "a": "ledger.escaped",
+                         "b": "ledger.escaped"}),
+        ('measure.a: found "a", expected a name beside which "a_sigma" is free (measure.a_sigma is '
+         "called so)"),
+        ('measure.b: found "b", expected a name beside which "b.sigma" is free (vary[0] is called '
+         "so)"),
+    ),
+    "all of run": (
+        a_sweep(one("run", {"seed": 1}, {"seed": 2})),
+        ('vary[0].path: found "run", expected a parameter that [run] does not set (the sweep\'s '
+         "[run] sets some of it for all points)"),
+    ),
     "also in run": (
         a_sweep(one("run.seed", 1, 2), run={"seed": 3}),
         ('vary[0].path: found "run.seed", expected a parameter that [run] does not set (the '
@@ -298,6 +312,23 @@ def test_bad_toml(tmp_path, capsys):
     (tmp_path / "twice.json").write_text('{"schema": "a", "schema": "b"}', encoding="utf-8")
     assert main(["sweep", str(tmp_path / "twice.json")]) == 2
     assert "the key more than once" in capsys.readouterr().err
+
+
+def test_dates_are_no_numbers(tmp_path, capsys):
+    file = tmp_path / "bad.toml"
+    file.write_text(
+        'schema = "photizon-sweep/1"\nscene = "box-room"\n'
+        '[[vary]]\npath = "source.downlight.flux"\nvalues = [2026-01-01, 2026-01-02, inf, nan]\n'
+        '[[vary]]\npath = "run.seed"\nlinspace = [2026-01-01, 1, 3]\n',
+        encoding="utf-8",
+    )
+    assert main(["sweep", str(file)]) == 2
+    assert "vary[1].linspace: found [2026-01-01, 1, 3], expected" in capsys.readouterr().err
+    file.write_text(file.read_text("utf-8").replace("2026-01-01, 1, 3", "1, 2, 2"), "utf-8")
+    assert main(["sweep", str(file)]) == 2
+    found = capsys.readouterr().err.splitlines()
+    assert "point 0: source[0].flux: found 2026-01-01, expected a positive power" in found[0]
+    assert "Traceback" not in "".join(found)
 
 
 def test_a_scene_stands_beside_its_sweep(tmp_path, monkeypatch):

@@ -116,7 +116,7 @@ def test_a_point_that_fails(file, capsys, monkeypatch):
         (["angles.json", "--out", ""], "--out: found nothing, expected a directory"),
         (["angles.json", "--no-figures"], "--no-figures: found no --out"),
         (["angles.json", "--max-seconds", "0"], "--max-seconds: found 0.0, expected a positive"),
-        (["angles.json", "--device", "no such one"], "device: "),
+        (["angles.json", "--device", "no such one", "--out", "out"], "device: "),
         (["angles.json", "--out", "angles.json"], '"angles.json" is a file'),
         (["."], 'found a directory, expected a sweep file'),
     ],
@@ -124,6 +124,7 @@ def test_a_point_that_fails(file, capsys, monkeypatch):
 def test_bad_arguments(words, said, file, capsys):
     assert main(["sweep", *words]) == 2
     assert said in capsys.readouterr().err
+    assert not (file.parent / "out").exists()
 
 
 def test_only_detectors_and_what_escapes_are_printed_where_no_measure_is_named(file, capsys):
