@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from decimal import Decimal
 
 import pytest
@@ -10,6 +11,7 @@ from tubes import ANGLE, TUBE, WALL, a_sweep
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
+from photizon_cl.scene.registry import SOURCES
 from photizon_cl.scene.sweep_reader import read_sweep
 from photizon_cl.studies import sweeping
 
@@ -285,6 +287,17 @@ def test_a_pst_needs_a_beam(source, why):
     own = {"name": "sun", "flux": 1.0, "position": [0.0, 0.0, 0.3], **source}
     with pytest.raises(pz.SceneError, match=why):
         pz.sweep({**a_sweep(WALL), "scene": {**TUBE, "source": [own]}})
+
+
+def test_beams():
+    beams = {kind for kind, cls in SOURCES.items() if cls.is_beam}
+    assert beams == {"collimated-disk"}
+    sun = {"name": "sun", "flux": 2.0, "position": [0, 0, 1], "axis": "-z", "radius": 0.5}
+    for divergence in (0.0, 0.2665):
+        beam = pz.CollimatedDisk(**sun, divergence_deg=divergence)
+        assert beam.beam_area == pytest.approx(0.25 * math.pi, rel=1e-15)
+        assert beam.flux / beam.beam_area == beam.irradiance
+    assert pz.LambertianDisk(**sun).beam_area is None
 
 
 @pytest.mark.usefixtures("nothing_runs")
