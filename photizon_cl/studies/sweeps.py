@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from concurrent.futures import Executor
 
+    import pandas as pd
+
     from hostcode.device.device import DeviceRecord
     from hostcode.program.plan import ExecutionPlan
     from photizon_cl.result.measures import Measured
@@ -68,6 +70,22 @@ class Sweep(SweepTable):
         if not point.done:
             raise ArgumentError(f"point {point.number} has not been run")
         return SweepFolder(self.folder).open(point.number)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the table as a data frame of pandas, a row for each point.
+
+        Columns ``point``, the axes, ``NAME``, ``NAME_sigma``, ``NAME_change`` and
+        ``NAME_change_sigma`` of each measure, ``batches``, ``rays``, ``seconds``, ``stopped`` and
+        ``digest``; NaN where a point has not been run.
+
+        Raises
+        ------
+        PhotizonError
+            Where pandas is not installed.
+        """
+        from photizon_cl.views.report.notebook import sweep_frame
+
+        return sweep_frame(self)
 
     def resume(
         self,

@@ -340,6 +340,19 @@ def test_csv_has_every_number_to_the_bit(swept):
         assert row["digest"] == point.digest
 
 
+def test_a_data_frame_has_the_columns_of_the_csv(swept):
+    import csv
+    import io
+
+    frame = swept.to_dataframe()
+    head, *rows = csv.reader(io.StringIO(swept.to_csv()))
+    assert list(frame.columns) == head
+    for row, cells in zip(frame.itertuples(index=False), rows, strict=True):
+        for value, cell in zip(row, cells, strict=True):
+            same = value == cell if isinstance(value, str) else value == float(cell or "nan")
+            assert same or (cell == "" and math.isnan(value))
+
+
 def test_progress_tells_of_the_whole_job():
     said = []
     pz.sweep(a_sweep(WALL), progress=said.append)
