@@ -235,8 +235,7 @@ class _Reader:
         if len(self.problems) > before or values is None:
             return None
         assert isinstance(path, str)
-        spacing = "" if ways[0] == "values" else ways[0]
-        return Axis(path, str(name), tuple(values), together, spacing)
+        return Axis(path, str(name), tuple(values), together)
 
     def listed(self, found: object, where: str) -> list[Any] | None:
         to_list = getattr(found, "tolist", None)  # a numpy array

@@ -51,8 +51,6 @@ class Axis:
         What it is set to, in order.
     together : bool
         Whether it steps with the axis before.
-    spacing : str
-        ``linspace`` or ``logspace``; empty where the values were listed.
     unit : str
         Of the parameter, empty for a pure number.
     """
@@ -61,7 +59,6 @@ class Axis:
     name: str
     values: tuple[Any, ...]
     together: bool = False
-    spacing: str = ""
     unit: str = ""
 
     @property

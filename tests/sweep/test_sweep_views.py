@@ -53,6 +53,13 @@ def test_curves_have_the_numbers_and_bars_of_one_sigma(grid):
     assert "PST: (P/A)/(Φ/S): mean irradiance" in footer
 
 
+def test_equal_factors_are_on_a_logarithmic_axis_and_no_others():
+    for values, scale in (([1, 10, 100], "log"), ([1, 2, 3], "linear"), ([4, 1], "linear")):
+        vary = {"path": "source.sun.flux", "values": values}
+        found = pz.sweep(a_sweep(vary, run={"batches": 2}))
+        assert draw_sweep(found, ["PST"]).axes[0].get_xscale() == scale
+
+
 def test_one_measure(grid):
     figure = draw_sweep(grid, ["PST"])
     assert [axes.get_ylabel() for axes in figure.axes] == ["PST"]

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from photizon_cl.result.sweep import SweepTable
     from photizon_cl.scene.sweeps import Axis
@@ -81,7 +82,7 @@ def draw_sweep(sweep: SweepTable, measures: Sequence[str] | None = None) -> Figu
     at = np.array(axis.values, float) if axis.numeric else np.arange(len(axis.values), dtype=float)
     for one, name in zip(panels.flat, names, strict=True):
         _draw(one, sweep, name, at, curves)
-        if axis.spacing == "logspace":
+        if axis.numeric and _in_factors(at):
             one.set_xscale("log")
             log_ticks(one.xaxis, float(at.min()), float(at.max()))
         elif not axis.numeric:
@@ -140,6 +141,14 @@ def _curves(sweep: SweepTable, along: int) -> tuple[list[tuple[str, list[int]]],
         return found, 0
     kept = sorted({round(k * (len(found) - 1) / (most - 1)) for k in range(most)})
     return [found[k] for k in kept], len(found) - len(kept)
+
+
+def _in_factors(at: NDArray[np.float64]) -> bool:
+    """Say whether values are apart by equal factors, and not by equal steps."""
+    if len(at) < 3 or at.min() <= 0.0:
+        return False
+    logs = np.diff(np.log(at))
+    return bool(np.ptp(logs) < 1e-9 * abs(logs).max())
 
 
 def _short(axis: Axis, at: int) -> str:
