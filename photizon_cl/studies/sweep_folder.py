@@ -185,10 +185,22 @@ class SweepFolder:
             )
 
     def keep(self, number: int, result: Result) -> None:
-        """Write a point's result, unless all of it is there."""
+        """Write a point's result, unless all of it is there.
+
+        Raises
+        ------
+        RunError
+            Where it cannot be written: what is there is kept, for the sweep to be gone on with.
+        """
         home = self.home(number)
-        if not (home / ARRAYS).is_file() or not (home / _LAST).is_file():
+        if (home / ARRAYS).is_file() and (home / _LAST).is_file():
+            return
+        try:
             save(result, home, figures=False, replace=True)
+        except ResultError as error:
+            raise RunError(
+                f"{error}; the sweep ends at point {number}: `photizon resume` goes on with it"
+            ) from error
 
     def end(self, point: SweepPoint) -> None:
         """Write that a point is done."""

@@ -12,7 +12,7 @@ import photizon_cl as pz
 from photizon_cl.cli.main import main
 from photizon_cl.cli.progress import sweep_line
 from photizon_cl.run import batches as running
-from photizon_cl.studies import sweeping
+from photizon_cl.studies import sweep_folder, sweeping
 from photizon_cl.studies.sweep_progress import SweepClock, SweepProgress
 
 
@@ -107,6 +107,23 @@ def test_a_point_that_fails(file, capsys, monkeypatch):
     assert "photizon: point 1 (angle = 4) failed: enough" in said.err
     assert "1 of 3 point is not done" in said.err
     assert " failed " in said.out
+
+
+def test_a_disk_that_is_full_ends_the_sweep_and_it_goes_on(file, capsys, monkeypatch):
+    save = sweep_folder.save
+
+    def full(result, home, **how):
+        if home.name == "0001":
+            raise pz.ResultError("no space left on the device")
+        save(result, home, **how)
+
+    monkeypatch.setattr(sweep_folder, "save", full)
+    assert main(["sweep", str(file), "--out", "out", "--no-figures"]) == 1
+    said = capsys.readouterr().err
+    assert "no space left on the device; the sweep ends at point 1: `photizon resume`" in said
+    monkeypatch.setattr(sweep_folder, "save", save)
+    assert main(["resume", "out", "--no-figures"]) == 0
+    assert pz.open_sweep("out").finished
 
 
 @pytest.mark.parametrize(
