@@ -216,8 +216,10 @@ class SweepFolder:
         """Write the tables, and the figure where anything can be drawn."""
         self._write(SWEEP_TABLE, sweep.to_csv())
         try:
+            arrays = sweep.to_dataset()
+            arrays.attrs["programs"] = sweep.programs or 0  # that the last call needed
             with replacing(self.folder / SWEEP_ARRAYS) as temporary:
-                sweep.to_dataset().to_netcdf(temporary, engine="h5netcdf")
+                arrays.to_netcdf(temporary, engine="h5netcdf")
         except (OSError, RuntimeError) as error:  # HDF5 raises either
             raise RunError(
                 f"{self.shown}: {SWEEP_ARRAYS} cannot be written: {reason(error)}"

@@ -63,6 +63,7 @@ def test_what_is_there(kept):
         assert data["PST"].values.tolist() == [point["PST"].value for point in found]
         assert data["digest"].values.tolist() == digests(found)
         assert data["angle"].attrs["units"] == "deg"
+        assert data.attrs["programs"] == 1
 
 
 def test_its_file_is_a_sweep_file(kept):
