@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.cost import CostStudy as CostStudy
     from photizon_cl.result.effects import Effects as Effects
     from photizon_cl.result.paths import Paths as Paths
+    from photizon_cl.result.sweep import SweepPoint as SweepPoint
     from photizon_cl.run.comparing import compare as compare
     from photizon_cl.run.drawing import draw as draw
     from photizon_cl.run.pathing import paths as paths
@@ -50,6 +51,9 @@ if TYPE_CHECKING:
     from photizon_cl.scene.settings import RunSettings as RunSettings
     from photizon_cl.studies.costing import cost as cost
     from photizon_cl.studies.effects import effects as effects
+    from photizon_cl.studies.sweeps import Sweep as Sweep
+    from photizon_cl.studies.sweeps import open_sweep as open_sweep
+    from photizon_cl.studies.sweeps import sweep as sweep
     from photizon_cl.views import figures as figures
 
 _MODULE_OF: Final[dict[str, str]] = {
@@ -66,11 +70,15 @@ _MODULE_OF: Final[dict[str, str]] = {
     "compare": "photizon_cl.run.comparing",
     "cost": "photizon_cl.studies.costing",
     "effects": "photizon_cl.studies.effects",
+    "sweep": "photizon_cl.studies.sweeps",
+    "open_sweep": "photizon_cl.studies.sweeps",
     # what comes out
     "Result": "photizon_cl.run.result",
     "Comparison": "photizon_cl.result.comparison",
     "CostStudy": "photizon_cl.result.cost",
     "Effects": "photizon_cl.result.effects",
+    "Sweep": "photizon_cl.studies.sweeps",
+    "SweepPoint": "photizon_cl.result.sweep",
     "Paths": "photizon_cl.result.paths",
     "Recipe": "photizon_cl.run.recipe",
     # what goes in, besides the kinds

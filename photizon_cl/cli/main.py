@@ -52,7 +52,8 @@ VERBS: Final = (
         "photizon_cl.cli.check",
     ),
     ("run", "trace a scene", "photizon_cl.cli.run"),
-    ("resume", "go on with a run that ended or was killed", "photizon_cl.cli.resume"),
+    ("resume", "go on with a run or a sweep that ended or was killed", "photizon_cl.cli.resume"),
+    ("sweep", "trace a scene at many values of its parameters", "photizon_cl.cli.sweep"),
     ("compare", "show how two runs differ, with errors", "photizon_cl.cli.compare"),
     ("paths", "show which paths bring light to detectors, by power", "photizon_cl.cli.paths"),
     (
@@ -66,7 +67,11 @@ VERBS: Final = (
         "photizon_cl.cli.effects",
     ),
     ("recipe", "print a token that reproduces a run bit for bit", "photizon_cl.cli.recipe"),
-    ("report", "write a saved result as one self-contained HTML page", "photizon_cl.cli.report"),
+    (
+        "report",
+        "write a saved result or sweep as one self-contained HTML page",
+        "photizon_cl.cli.report",
+    ),
     ("show", "draw a scene with traced ray paths", "photizon_cl.cli.show"),
     (
         "stability",

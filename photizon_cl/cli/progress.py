@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from photizon_cl.run.progress import Progress
+    from photizon_cl.studies.sweep_progress import SweepProgress
 
-__all__ = ["Display", "Lines", "progress_line"]
+__all__ = ["Display", "Lines", "SweepDisplay", "progress_line", "sweep_line"]
 
 
 class _Line:
@@ -74,6 +75,31 @@ class Lines(_Line):
     def update(self, text: str) -> None:
         """Show what is being done."""
         self.show(f"{self.title}: {printable(text)}")
+
+
+class SweepDisplay(_Line):
+    """How far a sweep is."""
+
+    starts = "looking at its points …"
+
+    def update(self, now: SweepProgress) -> None:
+        """Show how far the sweep is."""
+        if self.live is not None:
+            self.show(sweep_line(now))
+
+
+def sweep_line(now: SweepProgress) -> str:
+    """Return one line: points done, what is being run and how far that is, time left for all."""
+    doing = printable(now.doing)
+    if now.number < 0:
+        return doing
+    done = f"{now.done} of {now.points} points done"
+    point = f"point {now.number}: {doing}"
+    if now.point is not None:
+        sigma = now.point.achieved_sigma
+        point += f", batch {now.point.batches}" + ("" if sigma is None else f", σ {sigma:.2e}")
+    left = "" if now.eta_seconds is None else f"  {_time(now.eta_seconds)} left"
+    return f"{done}{left}  {point}"
 
 
 def progress_line(now: Progress) -> str:

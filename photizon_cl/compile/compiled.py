@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from hostcode.program.precision import Precision
+    from photizon_cl.compile.common import Common
     from photizon_cl.compile.effects.base import Effect
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.scene.model import Scene
@@ -100,6 +101,7 @@ def compile_scene(
     *,
     precision: str = FP64.name,
     general: bool = False,
+    common: Common | None = None,
 ) -> CompiledScene:
     """Compile a scene.
 
@@ -121,6 +123,9 @@ def compile_scene(
     general : bool
         Whether to make no use of there being one of something, or few elements, as a program that
         is made for all scenes must not. It changes no number.
+    common : Common, optional
+        What other scenes need as well, with which it is to share a program. It changes no number
+        either: an effect with cells or rows of its own is left out where only others need it.
 
     Raises
     ------
@@ -139,7 +144,7 @@ def compile_scene(
     shift = recentre(scene)
     forced = force | _asked_for(scene, settings)
     used = _effects_in_use(
-        recentred(scene, shift, mode.roundoff), settings, forced, without, mode.roundoff
+        recentred(scene, shift, mode.roundoff), settings, forced, without, mode.roundoff, common
     )
     layout = lay_out(
         scene,
@@ -152,15 +157,18 @@ def compile_scene(
     )
     layout = replace(layout, watched=watched(scene, layout, settings.target_on))
     draft = Draft(scene, settings, layout, shift, precision=mode)
+    draft.note_words = common.note_words if common else 0
     for effect, reason in used:
         effect.prepare(draft, forced=reason == _FORCED)
 
     effects = [effect for effect, _ in used]
     kinds = Kinds.of(scene, force, general=general)
     stride = draft.strides = strides(kinds, effects)
-    draft.classes, class_of = element_classes(scene, kinds, draft.all_tilted)
+    axes = common.axes if common else [element.class_axis for element in scene.element]
+    axes = [None] * len(axes) if draft.all_tilted else axes
+    draft.classes, class_of = element_classes(scene, kinds, axes)
     materials, draft.material_of = material_table(scene, stride)
-    surfaces = surface_kinds(scene, kinds, draft.material_of)
+    surfaces = surface_kinds(scene, kinds, draft.material_of, common)
     sources = source_kinds(scene, kinds)
     draft.element_codes = element_codes(scene, class_of, surfaces, draft.coincident)
     draft.geometry = geometry_table(draft, class_of, stride, effects)
@@ -229,6 +237,7 @@ def _fill(draft: Draft, used: list[tuple[Effect, str]], spec: ProgramSpec) -> No
 # -- effects -------------------------------------------------------------------------------------
 
 _FORCED: Final = "it was asked for"
+_COMMON: Final = "scenes that share the program need it"
 
 
 def _effects_in_use(
@@ -237,6 +246,7 @@ def _effects_in_use(
     force: frozenset[str],
     without: frozenset[str],
     roundoff: float,
+    common: Common | None,
 ) -> list[tuple[Effect, str]]:
     """Ask every effect whether the scene needs it; return those in use, and why."""
     kinds = [kind for name, kind in ALL_KINDS.items() if name in force]
@@ -254,6 +264,8 @@ def _effects_in_use(
         reason = effect.needed_within(scene, settings, roundoff)
         if reason is None and effect.name in force and effect.possible(scene):
             reason = _FORCED
+        if reason is None and common and effect.name in common.effects and effect.possible(scene):
+            reason = None if effect.rows(scene) or effect.cells(scene) else _COMMON
         if reason is not None:
             used.append((effect, reason))
     return used

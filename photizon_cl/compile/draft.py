@@ -43,6 +43,8 @@ class Draft:
         Taken off every position, in metres.
     all_tilted : bool
         Whether every element is taken as turned off the axes.
+    note_words : int
+        Words of notes that a ray has at least, where it has any.
     weights_differ : bool
         Whether rays remember the weight with which they were launched.
     coincident : frozenset of int
@@ -56,6 +58,7 @@ class Draft:
     layout: TallyLayout
     shift: Vec3
     all_tilted: bool = False
+    note_words: int = 0
     weights_differ: bool = False
     coincident: frozenset[int] = frozenset()
     precision: Precision = FP64

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hostcode.run.tables import DeviceTables
+    from photizon_cl.compile.common import Common
     from photizon_cl.compile.draft import Draft
     from photizon_cl.compile.effects.base import Effect
     from photizon_cl.compile.kinds import Kinds
@@ -149,13 +150,16 @@ def source_table(
 
 
 def element_classes(
-    scene: Scene, kinds: Kinds, all_tilted: bool
+    scene: Scene, kinds: Kinds, axes: Sequence[int | None]
 ) -> tuple[tuple[ElementClass, ...], list[ElementClass]]:
-    """Return the classes that are compiled in, in order, and the class of each element."""
+    """Return the classes that are compiled in, in order, and the class of each element.
+
+    `axes` are the world axes that the elements' functions are specialised to; None for the general.
+    """
     keys: list[tuple[str, int | None, bool]] = []
     example: dict[tuple[str, int | None, bool], type[Element]] = {}
-    for e in scene.element:
-        key = (e.kernel, None if all_tilted else e.class_axis, e.opening)
+    for e, axis in zip(scene.element, axes, strict=True):
+        key = (e.kernel, axis, e.opening)
         keys.append(key)
         example.setdefault(key, type(e))
     used = {kernel for kernel, *_ in keys}
@@ -288,8 +292,12 @@ def material_table(scene: Scene, stride: Strides) -> tuple[list[float], list[int
     return [x for _, row in rows for x in row], of_element
 
 
-def surface_kinds(scene: Scene, kinds: Kinds, material_of: list[int]) -> tuple[SurfaceKind, ...]:
+def surface_kinds(
+    scene: Scene, kinds: Kinds, material_of: list[int], common: Common | None = None
+) -> tuple[SurfaceKind, ...]:
     """Return the surface kinds that are compiled in, by name."""
+    several = common.several if common else frozenset()
+    splitting = common.splitting if common else frozenset()
     rows: dict[str, set[int]] = {cls.kernel: set() for cls in kinds.surfaces}
     made: dict[str, Surface | type[Surface]] = {}
     for element, at in zip(scene.element, material_of, strict=True):
@@ -303,10 +311,10 @@ def surface_kinds(scene: Scene, kinds: Kinds, material_of: list[int]) -> tuple[S
         SurfaceKind(
             kind,
             n,
-            single=len(rows[kind]) == 1 and not kinds.general,
+            single=len(rows[kind]) == 1 and kind not in several and not kinds.general,
             absorbs=made[kind].absorbs,
             # of a class whose objects each say it, what the most that they say is
-            splits=made[kind].splits is not False,
+            splits=made[kind].splits is not False or kind in splitting,
             counts=made[kind].counts,
             refracts=made[kind].refracts,
             scatters=made[kind].scatters,

@@ -30,7 +30,14 @@ if TYPE_CHECKING:
 
     _Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
 
-__all__ = ["COMPARISON_SCHEMA", "Comparison", "Difference", "compared", "error_of_mean"]
+__all__ = [
+    "COMPARISON_SCHEMA",
+    "Comparison",
+    "Difference",
+    "compared",
+    "difference_of",
+    "error_of_mean",
+]
 
 COMPARISON_SCHEMA: Final = "photizon-comparison/1"
 
@@ -162,7 +169,7 @@ def compared(a: Estimates, b: Estimates) -> Comparison:
                     y[:common] * b.compiled.unit_power,
                 )
         first = _of(a.quantity(name), a.batches, both, 0)
-        rows.append(_row(name, first, _of(b.quantity(name), b.batches, both, 1), both))
+        rows.append(difference_of(name, first, _of(b.quantity(name), b.batches, both, 1), both))
     return Comparison(
         a.scene.name,
         b.scene.name,
@@ -205,12 +212,23 @@ def _of(quantity: Estimate, batches: int, both: _Pair | None, which: int) -> Est
     return Estimate(float(both[which].mean()), error_of_mean(both[which]))
 
 
-def _row(
+def difference_of(
     name: str,
     a: Estimate,
     b: Estimate,
     both: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
 ) -> Difference:
+    """Return how a quantity differs between two runs.
+
+    Parameters
+    ----------
+    name : str
+        The quantity's.
+    a, b : Estimate
+        What each run says.
+    both : (ndarray, ndarray) or None
+        What each batch of either gave, as many of one as of the other; None where they do not pair.
+    """
     if both is None:
         known = a.sigma is not None and b.sigma is not None
         sigma = math.hypot(a.sigma or 0.0, b.sigma or 0.0) if known else None

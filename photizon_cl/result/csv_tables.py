@@ -12,14 +12,14 @@ import re
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ledger import Estimate
     from photizon_cl.result.maps import Rung
     from photizon_cl.result.tallies import EffectTally
 
-__all__ = ["detectors_csv", "ledger_csv", "paths_csv", "tally_csv"]
+__all__ = ["csv_text", "detectors_csv", "ledger_csv", "paths_csv", "tally_csv"]
 
 # With apostrophes and blanks before it: what is written can be told from what was so before. The
 # last four are the wide forms, which some spreadsheets take for the others.
@@ -31,7 +31,7 @@ def ledger_csv(result: Estimates) -> str:
     ledger = result.ledger
     emitted = ledger.emitted.value
     rows = ((name, *_numbers(row), row.value / emitted) for name, row in ledger.labelled_rows())
-    return _text(("row", "value_W", "sigma_W", "share"), rows)
+    return csv_text(("row", "value_W", "sigma_W", "share"), rows)
 
 
 def detectors_csv(result: Estimates) -> str:
@@ -43,7 +43,7 @@ def detectors_csv(result: Estimates) -> str:
             for rung in detector.ladder or ():
                 yield (name, rung.generation, *_numbers(rung), rung.count)
 
-    return _text(("detector", "generation", "value_W", "sigma_W", "count"), rows())
+    return csv_text(("detector", "generation", "value_W", "sigma_W", "count"), rows())
 
 
 def paths_csv(result: Estimates) -> str:
@@ -62,23 +62,24 @@ def paths_csv(result: Estimates) -> str:
                 yield (name, "", "all other paths", rest.power, sigma, rest.count, "", "", "")
 
     head = ("detector", "rank", "sequence", "value_W", "sigma_W", "count", "interactions")
-    return _text((*head, "ghost_order", "example_ray"), rows())
+    return csv_text((*head, "ghost_order", "example_ray"), rows())
 
 
 def tally_csv(cells: EffectTally) -> str:
     """Return what an effect counts: label, value, σ (empty with a single batch), count."""
     rows = ((label, *_numbers(cell), cell.count) for label, cell in cells.items())
-    return _text(("label", f"value_{cells.unit}", f"sigma_{cells.unit}", "count"), rows)
+    return csv_text(("label", f"value_{cells.unit}", f"sigma_{cells.unit}", "count"), rows)
 
 
 def _numbers(row: Estimate | Rung) -> tuple[object, object]:
     return row.value, "" if row.sigma is None else row.sigma
 
 
-def _text(head: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> str:
+def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table: names in its head are anybody's text too."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(head)
+    writer.writerow(map(_plain, head))
     # floats as their shortest text that reads back to the bit
     writer.writerows([_plain(cell) for cell in row] for row in rows)
     return out.getvalue()

@@ -35,13 +35,9 @@ from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.memory import check_memory, no_room_for
 from photizon_cl.run.pilot import pilot_of_capped
 from photizon_cl.run.progress import Clock, Progress
-<<<<<<< HEAD
 from photizon_cl.run.trails import with_trails
-from photizon_cl.run.workers import Executed, bytes_on_the_way
-=======
 from photizon_cl.run.window import bytes_on_the_way
 from photizon_cl.run.workers import Executed
->>>>>>> workers
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -167,11 +163,15 @@ def go_on(
     executor: Executor | None,
     plan: ExecutionPlan | None,
     checkpoint: str | os.PathLike[str] | None,
+    keeping: Callable[[str | os.PathLike[str], Estimates], Keeper] = Keeper,
 ) -> _E:
-    """Add batches to a result that nobody else holds until its goal is reached."""
+    """Add batches to a result that nobody else holds until its goal is reached.
+
+    `keeping` makes what writes the checkpoints.
+    """
     executor = of_dask(executor)
     plan = _fitting(start.compiled, device, executor, plan, goal, saved=checkpoint is not None)
-    keeper = None if checkpoint is None else Keeper(checkpoint, start)
+    keeper = None if checkpoint is None else keeping(checkpoint, start)
     try:
         return _add_batches(start, goal, device, progress, executor, plan, keeper)
     except MemoryError as error:  # others took what was there when it began

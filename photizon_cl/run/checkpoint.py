@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final
 from photizon_cl.atomic import reason, replacing
 from photizon_cl.errors import ArgumentError, ResultError, RunError, RunWarning, show
 from photizon_cl.result.file import write_state
+from photizon_cl.result.sweep_file import SWEEP_FILE
 from photizon_cl.run.directory import ARRAYS, CHECKPOINT, check_there, read, steady, unfinished
 from photizon_cl.run.target import check_target, claim
 
@@ -44,6 +45,8 @@ class Keeper:
         The directory; made where it is not there, and held until the keeper is closed.
     start : Estimates
         What the run starts from; written at once, so that its goal is known.
+    at_once : bool, optional
+        Whether it is: not where the goal is known otherwise, as that of a point of a sweep.
 
     Raises
     ------
@@ -53,18 +56,21 @@ class Keeper:
         Where the first checkpoint cannot be written.
     """
 
-    def __init__(self, path: str | os.PathLike[str], start: Estimates) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str], start: Estimates, *, at_once: bool = True
+    ) -> None:
         import h5netcdf  # noqa: F401  (what is imported once is no part of a checkpoint's cost)
         import xarray  # noqa: F401
 
         folder = check_target(path)
         self._file = folder / CHECKPOINT
         self._lock = claim(folder)
-        self._cost = self._written = 0.0
+        self._cost, self._written = 0.0, time.perf_counter()
         self._failed = False
         try:
             check_there(folder, start)
-            self._write(start)
+            if at_once:
+                self._write(start)
         except BaseException:
             self.close()
             raise
@@ -131,6 +137,11 @@ def latest(path: str | os.PathLike[str]) -> Estimates:
 def _latest(folder: Path) -> Estimates:
     left = unfinished(folder)
     if left is None and folder.is_dir() and not (folder / ARRAYS).exists():
+        if (folder / SWEEP_FILE).is_file():
+            raise ResultError(
+                f"{show(str(folder))} holds a sweep: `photizon resume`, or the resume() of "
+                "pz.open_sweep, goes on with it"
+            )
         raise ResultError(
             f"{show(str(folder))} holds neither a result nor a checkpoint: give the directory "
             "that `photizon run --out` wrote"

@@ -71,10 +71,29 @@ def _exists(path: Path) -> bool:
 
 
 def _load_file(path: Path) -> Scene:
-    file = str(path) if str(path).isprintable() else show(str(path))
-    text = _read_text(path, file)
-    tables = parse_toml(text, file) if path.suffix.lower() == ".toml" else parse_json(text, file)
+    tables, file = read_tables(path)
     return read_scene(Scene, tables, file)
+
+
+def read_tables(path: Path, what: str = "a scene file") -> tuple[Any, str]:
+    """Return the tables of a TOML or JSON file, and its name for messages.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    what : str, optional
+        What it should be.
+
+    Raises
+    ------
+    SceneError
+        Where it cannot be read, or is neither.
+    """
+    file = str(path) if str(path).isprintable() else show(str(path))
+    text = _read_text(path, file, what)
+    tables = parse_toml(text, file) if path.suffix.lower() == ".toml" else parse_json(text, file)
+    return tables, file
 
 
 def _fail(
@@ -83,8 +102,9 @@ def _fail(
     return SceneError([Problem(place, found, expected, file=file, hint=hint)])
 
 
-def _read_text(path: Path, file: str) -> str:
-    expected = "a scene file in TOML or JSON"
+def _read_text(path: Path, file: str, what: str) -> str:
+    expected = f"{what} in TOML or JSON"
+    presets = what == "a scene file"
     try:
         if path.is_dir():
             raise _fail(file, "a directory", expected)
@@ -94,7 +114,7 @@ def _read_text(path: Path, file: str) -> str:
                 file, f"the ending {show(path.suffix)}", "a file that ends in .toml or .json", hint
             )
         if not path.exists():
-            raise _fail(file, "no such file", expected, _nearby(path))
+            raise _fail(file, "no such file", expected, _nearby(path, presets=presets))
         if not path.is_file():
             raise _fail(file, "something that is not a regular file", expected)
         if path.stat().st_size > LARGEST_FILE:
@@ -102,7 +122,7 @@ def _read_text(path: Path, file: str) -> str:
         with path.open("rb") as opened:  # it may grow, or say nothing true of its size
             data = opened.read(LARGEST_FILE + 1)
         if len(data) > LARGEST_FILE:
-            raise _fail(file, f"more than {LARGEST_FILE} bytes", "a scene file that is shorter")
+            raise _fail(file, f"more than {LARGEST_FILE} bytes", f"{what} that is shorter")
     except (OSError, ValueError) as error:
         if isinstance(error, SceneError):
             raise
@@ -117,19 +137,19 @@ def _read_text(path: Path, file: str) -> str:
             file, found, "text in UTF-8", "save the file as UTF-8", f"line {line}"
         ) from None
     if not text.strip():
-        raise _fail(file, "an empty file", expected, "start from a preset's file")
+        raise _fail(file, "an empty file", expected, "start from a preset's file" * presets)
     return text
 
 
-def _nearby(path: Path) -> str:
+def _nearby(path: Path, *, presets: bool) -> str:
     """Return what may have been meant by the path of a file that is not there."""
     there = sorted(p.name for s in SUFFIXES for p in path.parent.glob(f"*{s}"))
     near = [show(name) for name in difflib.get_close_matches(path.name, there, 1)]
-    presets = difflib.get_close_matches(path.stem, preset_names(), 1)
-    near += [f"the preset {show(name)}" for name in presets]
+    alike = difflib.get_close_matches(path.stem, preset_names(), 1) if presets else []
+    near += [f"the preset {show(name)}" for name in alike]
     if near:
         return f"did you mean {' or '.join(near)}?"
-    return "check the path, or see the presets"
+    return "check the path, or see the presets" if presets else "check the path"
 
 
 def parse_toml(text: str, file: str | None = None) -> Any:

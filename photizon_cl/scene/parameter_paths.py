@@ -7,6 +7,7 @@ reader, as if it had stood in the file.
 
 from __future__ import annotations
 
+import copy
 import difflib
 import re
 import tomllib
@@ -20,7 +21,7 @@ from photizon_cl.scene.reader import KINDS
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["path_parts", "put_values", "quoted", "read_assignment"]
+__all__ = ["path_parts", "place_of", "put_values", "quoted", "read_assignment"]
 
 _PART: Final = re.compile(
     r"""\s*(?: "(?:[^"\\]|\\.)*" | '[^']*' | \[\s*\d{1,9}\s*\]
@@ -94,6 +95,26 @@ def put_values(scene: type[Described], tables: dict[str, Any], changes: Mapping[
         _Way(path, scene, tables).put(changes[path])
 
 
+def place_of(
+    scene: type[Described], tables: dict[str, Any], path: str
+) -> tuple[tuple[str | int, ...], str]:
+    """Return the place in a scene's tables that a path names, and the unit of what stands there.
+
+    Parameters
+    ----------
+    scene, tables
+        As `put_values` takes them.
+    path : str
+        The path. Two ways to write one, by name and by number, give the same place.
+
+    Raises
+    ------
+    ArgumentError
+        Where it leads nowhere.
+    """
+    return _Way(path, scene, copy.deepcopy(tables)).place_and_unit()
+
+
 def path_parts(path: str) -> list[str | int]:
     """Return keys as text and places in brackets as numbers."""
     if not isinstance(path, str):
@@ -148,15 +169,32 @@ class _Way:
             f"{self.path}: found {found}, expected {expected}" + (f" ({hint})" if hint else "")
         )
 
-    def put(self, value: object) -> None:
-        """Set the value."""
-        at: Any = self.tables
+    def place_and_unit(self) -> tuple[tuple[str | int, ...], str]:
+        """Return the place by keys and numbers, and the unit of its parameter."""
+        at: Any = self.begin()
+        found: list[str | int] = []
+        unit = ""
+        for part, after in zip(self.parts, (*self.parts[1:], None), strict=True):
+            found.append(self.place(at, part) if isinstance(at, list) else part)
+            if self.cls and isinstance(part, str) and part in parameters_of(self.cls):
+                unit = parameters_of(self.cls)[part].unit
+            if after is not None:
+                at = self.step(at, part, after)
+        return tuple(found), unit
+
+    def begin(self) -> dict[str, Any]:
+        """Return where the path starts."""
         first = self.parts[0]
         top = list(parameters_of(self.cls)) if self.cls else []
         if first not in top:
             near = difflib.get_close_matches(str(first), top, 1)
             hint = f"did you mean {near[0]}?" if near else ""
             raise self.fail(show(first), f"a path that begins with one of {', '.join(top)}", hint)
+        return self.tables
+
+    def put(self, value: object) -> None:
+        """Set the value."""
+        at: Any = self.begin()
         last = self.parts[-1]
         for part, after in zip(self.parts, self.parts[1:], strict=False):
             at = self.step(at, part, after)

@@ -343,7 +343,7 @@ def test_names_are_no_formulas_and_numbers_are_numbers(tmp_path):
 
 
 def test_negative_numbers_have_no_apostrophe():
-    assert csv_tables._text(("a",), [("-x", -1.5, -2)]) == "a\n'-x,-1.5,-2\n"
+    assert csv_tables.csv_text(("a",), [("-x", -1.5, -2)]) == "a\n'-x,-1.5,-2\n"
     for cell in ("\t1", " =1", "'' @x"):  # no names, but labels of effects are anybody's
         assert csv_tables._plain(cell) == f"'{cell}"
 

@@ -1,7 +1,7 @@
 """Runs the examples of a page: files, commands, Python, and what they are said to print.
 
 - ``toml``, ``python`` and other blocks with a caption that names a file write that file; a caption
-  that ends in "(added at the end)" appends. A written scene is loaded.
+  that ends in "(added at the end)" appends. A written scene is loaded; a sweep file is not one.
 - ``diff`` blocks change the file of their caption: each hunk's old lines must stand in it once.
 - ``console`` blocks run each line after ``$`` and compare what it prints.
 - ``python`` blocks run in one namespace a page; an ``output`` block is what the last one printed.
@@ -27,6 +27,7 @@ from sybil.parsers.myst import CodeBlockParser
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
+from photizon_cl.scene.sweeps import SWEEP_SCHEMA
 
 ROOT = Path(__file__).resolve().parents[2]
 CAPTION = re.compile(r"(?P<file>[\w./-]+\.\w+)(?P<added> \(added at the end\))?")
@@ -41,6 +42,7 @@ def matches(shown: str, printed: str) -> bool:
 VARYING = (
     (re.compile(r"[\d.]+ M\s+interactions\s+in\s+[\d.]+ s\s+on\s+.*?\)(?=\n)", re.S), "…"),
     (re.compile(r"sha256:[0-9a-f]{64}"), "sha256:…"),
+    (re.compile(r"[\d.e-]+ s of\s+tracing"), "…"),
 )
 """What differs between machines, and how the pages show it."""
 
@@ -102,7 +104,7 @@ class Runner:
         path, added = caption
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text((path.read_text("utf-8") if added else "") + text, encoding="utf-8")
-        if path.suffix == ".toml" and not self.apart:
+        if path.suffix == ".toml" and not self.apart and SWEEP_SCHEMA not in text:
             pz.load(path)
 
     def diff(self, example):

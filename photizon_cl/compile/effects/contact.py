@@ -41,6 +41,7 @@ class Contact(Effect):
     def parts(self, draft: Draft) -> EffectParts:
         """Return the notes, and the last way of any length."""
         words, bits = note_size(draft.near)
+        words = max(words, draft.note_words)
         came = [
             RayField(f"came_{x}", "real", "splat(0.0)", "last segment that had a length, in m")
             for x in "xyz"

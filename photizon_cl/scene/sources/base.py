@@ -57,6 +57,8 @@ class Source(Described):
     """Whether it has an axis and a tilt."""
     draws_position: ClassVar[bool] = False
     """Whether its rays start at many points, for which each draws a second pair of uniforms."""
+    is_beam: ClassVar[bool] = False
+    """Whether its light has a cross-section of its own, with the same irradiance all over it."""
     libraries: ClassVar[tuple[str, ...]] = ()
     """Kernel templates that its file needs before it (``lib/powers``), once a program."""
     row: ClassVar[Row] = NO_ROW
@@ -75,6 +77,11 @@ class Source(Described):
     @property
     def face(self) -> Plane | Ball | None:
         """What it shines from, around its position and in its frame; None for a point."""
+        return None
+
+    @property
+    def beam_area(self) -> float | None:
+        """Cross-section of its beam in m²; None where it sends out none."""
         return None
 
     @property

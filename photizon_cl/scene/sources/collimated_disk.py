@@ -33,6 +33,7 @@ class CollimatedDisk(DirectedSource):
     does: ClassVar[str] = "parallel rays from a disk"
     costs: ClassVar[str] = "one sine and cosine a ray"
     draws_position: ClassVar[bool] = True
+    is_beam: ClassVar[bool] = True
     row: ClassVar[Row] = Row(
         "COLLIMATED_DISK",
         ("radius", "m", "radius"),
@@ -66,6 +67,11 @@ class CollimatedDisk(DirectedSource):
     def area(self) -> float:
         """Cross-section of the beam πr² in m²."""
         return circle_area(self.radius)
+
+    @property
+    def beam_area(self) -> float:
+        """Cross-section of the beam where it starts, with a divergence too, in m²."""
+        return self.area
 
     @property
     def irradiance(self) -> float:

@@ -16,6 +16,7 @@ as they are, never smoothed or interpolated, and are hatched where fewer than 10
 ``draw_ghosts``              two-reflection ghosts by pair of faces
 ``draw_convergence``         σ against rays and against seconds
 ``draw_layout``              sections through the scene, with or without rays
+``draw_sweep``               what a sweep measured, with error bars
 ===========================  =====================================================
 
 Each is there without ``draw_`` as well: ``figures.ledger(result)``.
@@ -35,6 +36,7 @@ from photizon_cl.views.figures.ledger_plot import draw_ledger
 from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
 from photizon_cl.views.figures.path_plots import draw_ghosts, draw_paths
 from photizon_cl.views.figures.style import FORMATS
+from photizon_cl.views.figures.sweep_plot import draw_sweep
 from photizon_cl.views.figures.table import FIGURES, draw_all, figure_names, write_all
 
 irradiance, relative_sigma = draw_irradiance, draw_relative_sigma
@@ -42,6 +44,7 @@ far_field, far_field_cuts = draw_far_field, draw_far_field_cuts
 far_field_theta = draw_far_field_theta
 ledger, ladder, convergence, layout = draw_ledger, draw_ladder, draw_convergence, draw_layout
 paths, ghosts = draw_paths, draw_ghosts
+sweep = draw_sweep
 
 __all__ = [
     "FIGURES",
@@ -59,6 +62,7 @@ __all__ = [
     "draw_ledger",
     "draw_paths",
     "draw_relative_sigma",
+    "draw_sweep",
     "far_field",
     "far_field_cuts",
     "far_field_theta",
@@ -70,5 +74,6 @@ __all__ = [
     "ledger",
     "paths",
     "relative_sigma",
+    "sweep",
     "write_all",
 ]

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.data_frame import data_frame_of
+from photizon_cl.scene.sweep_values import value_text
 from photizon_cl.views.report.numbers import integer, percent
 from photizon_cl.views.report.page import lookup
 from photizon_cl.views.report.tables import detector_table, ledger_table, tally_tables
@@ -17,8 +18,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from photizon_cl.result.estimates import Estimates
+    from photizon_cl.result.sweep import SweepTable
 
-__all__ = ["data_frame", "html"]
+__all__ = ["data_frame", "html", "sweep_frame"]
 
 _MOST_ROWS: Final = 30  # of a table in a notebook
 
@@ -85,4 +87,22 @@ def data_frame(result: Estimates, detector: str | None = None) -> pd.DataFrame:
         "share": [rung.value / emitted for rung in ladder],
         "count": [rung.count for rung in ladder],
     }
+    return data_frame_of(columns)
+
+
+def sweep_frame(sweep: SweepTable) -> pd.DataFrame:
+    """Return a sweep as a data frame, see `photizon_cl.Sweep.to_dataframe`."""
+    points = sweep.points
+    columns: dict[str, list[Any]] = {"point": [point.number for point in points]}
+    for axis in sweep.plan.axes:
+        values = [point.values[axis.name] for point in points]
+        columns[axis.name] = values if axis.numeric else [value_text(value) for value in values]
+    for name in sweep.names:
+        for end, of in (("", "measures"), ("_change", "change")):
+            found = [getattr(point, of).get(name) for point in points]
+            columns[f"{name}{end}"] = [nan if one is None else one.value for one in found]
+            sigmas = [nan if one is None or one.sigma is None else one.sigma for one in found]
+            columns[f"{name}{end}_sigma"] = sigmas
+    for item in ("batches", "rays", "seconds", "stopped", "digest"):
+        columns[item] = [getattr(point, item) for point in points]
     return data_frame_of(columns)

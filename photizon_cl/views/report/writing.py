@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.cost import CostStudy
     from photizon_cl.result.estimates import Estimates
 
-__all__ = ["Written", "beside", "is_report", "write_page"]
+__all__ = ["Written", "beside", "check_page", "is_report", "write_page", "write_text"]
 
 _MOST_RECIPE: Final = 100_000  # characters of a token that a page shows
 
@@ -59,7 +59,7 @@ def write_page(result: Estimates, home: Path, page: Path) -> Written:
     ArgumentError
         Where the file cannot be written, or is something else than a report.
     """
-    _check_page(page)
+    check_page(page)
     there = _names(home / "figures")
     figures = drawing.draw(result, there)
     study, remarks = beside(home)
@@ -70,7 +70,18 @@ def write_page(result: Estimates, home: Path, page: Path) -> Written:
     warnings += [
         f"the figure {show(name)} could not be drawn: {why}" for name, why in figures.failed
     ]
-    text = render(result, figures, RecipeText.of(result).token[:_MOST_RECIPE], study)
+    write_text(page, render(result, figures, RecipeText.of(result).token[:_MOST_RECIPE], study))
+    return Written(page, tuple(made), tuple(warnings))
+
+
+def write_text(page: Path, text: str) -> None:
+    """Write a page in one step.
+
+    Raises
+    ------
+    ArgumentError
+        Where it cannot be written.
+    """
     try:
         sweep(page.parent, held=False)
         with replacing(page) as temporary:
@@ -79,7 +90,6 @@ def write_page(result: Estimates, home: Path, page: Path) -> Written:
         raise ArgumentError(
             f"{show(str(page))} cannot be written ({reason(error)}): give another file with --out"
         ) from None
-    return Written(page, tuple(made), tuple(warnings))
 
 
 def beside(home: Path) -> tuple[CostStudy | None, list[str]]:
@@ -97,7 +107,7 @@ def is_report(page: Path) -> bool:
         return f'content="{GENERATOR}'.encode() in file.read(2000)
 
 
-def _check_page(page: Path) -> None:
+def check_page(page: Path) -> None:
     """See that a page may be written: a new file, or a report that is replaced."""
     shown = show(str(page))
     try:
