@@ -74,11 +74,12 @@ def _sweep(arguments: argparse.Namespace) -> int:
     if start.finished:
         print(f"photizon: {show(arguments.directory)} holds a sweep that is done", file=sys.stderr)
         return give(start, as_json=arguments.json)
-    with SweepDisplay(start.plan.heading) as display:
+    with open_workers(arguments) as executor, SweepDisplay(start.plan.heading) as display:
         found = start.resume(
             max_seconds=arguments.max_seconds,
             device=arguments.device,
             progress=display.update,
+            executor=executor,
             figure=not arguments.no_figures,
         )
     return give(found, as_json=arguments.json)

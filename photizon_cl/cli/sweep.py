@@ -8,6 +8,7 @@ import sys
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.cli.arguments import DEVICE, NO_FIGURES, number
+from photizon_cl.cli.workers import add_workers, open_workers
 from photizon_cl.errors import ArgumentError, printable, show
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "of each point",
     )  # fmt: skip
     parser.add_argument("--device", metavar="D", help=DEVICE)
+    add_workers(parser)
     parser.add_argument("--no-figures", action="store_true", help=NO_FIGURES)
     parser.add_argument("--json", action="store_true", help=JSON)
 
@@ -63,13 +65,14 @@ def call(arguments: argparse.Namespace) -> int:
     from photizon_cl.studies.sweeps import sweep
 
     asked = read_sweep(arguments.file)  # a bad file is told before anything heavy is imported
-    with SweepDisplay(asked.heading) as display:
+    with open_workers(arguments) as executor, SweepDisplay(asked.heading) as display:
         found = sweep(
             arguments.file,
             out=arguments.out,
             max_seconds=arguments.max_seconds,
             device=arguments.device,
             progress=display.update,
+            executor=executor,
             figure=not arguments.no_figures,
         )
     if found.programs is None and found.finished:

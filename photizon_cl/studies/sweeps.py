@@ -11,6 +11,7 @@ from photizon_cl.errors import ArgumentError, ResultError, show
 from photizon_cl.result.measures import measured_by
 from photizon_cl.result.sweep import SweepTable
 from photizon_cl.run.distribution import open_chosen
+from photizon_cl.run.engines import taken
 from photizon_cl.scene.sweep_reader import read_sweep
 from photizon_cl.studies.sweep_folder import SweepFolder
 from photizon_cl.studies.sweep_points import checked, measures_at
@@ -94,6 +95,8 @@ class Sweep(SweepTable):
         device: DeviceRecord | str | int | None = None,
         progress: Callable[[SweepProgress], object] | None = None,
         executor: Executor | None = None,
+        workers: int | None = None,
+        scheduler: str | None = None,
         plan: ExecutionPlan | None = None,
         figure: bool = True,
     ) -> Sweep:
@@ -105,7 +108,7 @@ class Sweep(SweepTable):
 
         Parameters
         ----------
-        max_seconds, device, progress, executor, plan, figure : optional
+        max_seconds, device, progress, executor, workers, scheduler, plan, figure : optional
             As in `photizon_cl.sweep`.
 
         Raises
@@ -122,7 +125,7 @@ class Sweep(SweepTable):
         return _run(
             checked(folder.plan(), _teller(progress, len(self))), folder,
             max_seconds=max_seconds, device=device, progress=progress,
-            executor=executor, plan=plan, figure=figure,
+            executor=executor, workers=workers, scheduler=scheduler, plan=plan, figure=figure,
         )  # fmt: skip
 
 
@@ -139,6 +142,8 @@ def sweep(
     device: DeviceRecord | str | int | None = None,
     progress: Callable[[SweepProgress], object] | None = None,
     executor: Executor | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
     plan: ExecutionPlan | None = None,
     figure: bool = True,
 ) -> Sweep:
@@ -167,6 +172,8 @@ def sweep(
         Given a `photizon_cl.studies.sweep_progress.SweepProgress` after each wave.
     executor : concurrent.futures.Executor, optional
         Computes the batches of one point after the other on its workers; the same bits.
+    workers, scheduler : optional
+        As in `trace`.
     plan : ExecutionPlan, optional
         How a device runs a wave; changes no bit.
     figure : bool, optional
@@ -218,11 +225,12 @@ def sweep(
         names = tuple(measure.name for measure in found.measured)
         if folder.check_new(asked, names):
             return open_sweep(folder.folder)
-    if executor is None:
+    if executor is None and workers is None and scheduler is None:
         open_chosen(str(device) if isinstance(device, int) else device)  # before DIR is made
     return _run(
         found, folder, max_seconds=max_seconds, device=device, progress=progress,
-        executor=executor, plan=plan, figure=figure, begin=True,
+        executor=executor, workers=workers, scheduler=scheduler, plan=plan, figure=figure,
+        begin=True,
     )  # fmt: skip
 
 
@@ -243,15 +251,18 @@ def _run(
     device: DeviceRecord | str | int | None,
     progress: Callable[[SweepProgress], object] | None,
     executor: Executor | None,
+    workers: int | None,
+    scheduler: str | None,
     plan: ExecutionPlan | None,
     figure: bool,
     begin: bool = False,
 ) -> Sweep:
-    job = Job(
-        found, folder, device=device, executor=executor, plan=plan,
-        progress=progress or (lambda _: None), max_seconds=check_seconds(max_seconds),
-    )  # fmt: skip
-    with nullcontext() if folder is None else folder.held():
+    held = nullcontext() if folder is None else folder.held()
+    with taken(executor, workers, scheduler) as chosen, held:
+        job = Job(
+            found, folder, device=device, executor=chosen, plan=plan,
+            progress=progress or (lambda _: None), max_seconds=check_seconds(max_seconds),
+        )  # fmt: skip
         if begin and folder is not None:
             # looked at again, now that nobody else can write there
             if folder.check_new(found.plan, job.names):
