@@ -8,8 +8,7 @@ import signal
 import threading
 
 import pytest
-from conftest import WIDE
-from tubes import WALL, a_sweep
+from tubes import WALL, WIDE, a_sweep
 
 import photizon_cl as pz
 from photizon_cl.atomic import Lock

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from conftest import WIDE
-from tubes import ANGLE, WALL, a_sweep
+from tubes import ANGLE, WALL, WIDE, a_sweep
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
