@@ -127,7 +127,7 @@ def ball() -> pz.Scene:
 def glossy_room() -> pz.Scene:
     """Return a room whose walls split, each ray in a mirror's and a matt child."""
     made = _scene("glossy room", (_lamp(),), (*_room(pz.Mixed(0.2, 0.4)), _sensor()))
-    return dataclasses.replace(made, run=pz.RunSettings(generation_cap=60, roulette_floor=1e-3))
+    return dataclasses.replace(made, run=pz.RunSettings(generation_cap=6, roulette_floor=0.02))
 
 
 def glossy_by_choice() -> pz.Scene:

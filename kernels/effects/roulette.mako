@@ -9,9 +9,10 @@ FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met
     const weight floor_weight = weight_splat(launch->roulette_floor);
 % endif
 % if "ratio" in ray_real:
-    // what it would weigh where no ray is sent towards anything; one that is heavier for that is not played
-    // for sooner, so that none comes out more than twice as heavy as it was launched
-    const mask low = p->alive & met & WEIGHT_LT(p->w, ${point("roulette.aimed", "floor_weight * fmin(p->ratio, weight_splat(1.0))")});
+    // what it would weigh where no ray is sent towards anything; one as heavy as it was launched is not played
+    // for, so that none comes out more than twice as heavy
+    const weight launched = ${"p->launched" if "launched" in ray_real else "weight_splat(1.0)"};
+    const mask low = p->alive & met & WEIGHT_LT(p->w, fmin(${point("roulette.aimed", "floor_weight * p->ratio")}, launched));
 % else:
     const mask low = p->alive & met & WEIGHT_LT(p->w, floor_weight);
 % endif

@@ -17,6 +17,7 @@ from photizon_cl.atomic import in_any_locale, reason, replacing
 from photizon_cl.errors import ResultError, RunWarning, show
 from photizon_cl.result.engine import engine_digest
 from photizon_cl.result.file import read_file, read_made_by, read_scene, write_arrays
+from photizon_cl.result.sweep_file import SWEEP_FILE
 from photizon_cl.run.memory import check_room
 from photizon_cl.run.ours import (
     ARRAYS,
@@ -365,6 +366,11 @@ def read(path: str | os.PathLike[str]) -> Estimates:
     try:
         file = given / ARRAYS if given.is_dir() else given
         if not file.is_file():
+            if (given / SWEEP_FILE).is_file():
+                raise ResultError(
+                    f"{shown} holds a sweep: pz.open_sweep opens it, and each of the directories "
+                    "in its points holds the result of one"
+                )
             what = f"holds no {ARRAYS}" if given.is_dir() else "is not there"
             raise ResultError(
                 f"{shown} {what}: give the directory that a run wrote, or the {ARRAYS} in it"

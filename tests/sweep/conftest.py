@@ -11,7 +11,7 @@ import photizon_cl as pz
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from tubes import a_sweep
+from tubes import WIDE, a_sweep
 
 
 @pytest.fixture(scope="session")
@@ -25,9 +25,6 @@ def _kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sweeps") / "kept"
     pz.sweep(a_sweep(WIDE), out=folder)
     return folder
-
-
-WIDE = {"path": "source.sun.tilt_deg[0]", "name": "angle", "values": [0, 4, 8]}
 
 
 @pytest.fixture

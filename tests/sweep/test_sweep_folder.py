@@ -8,8 +8,7 @@ import signal
 import threading
 
 import pytest
-from conftest import WIDE
-from tubes import WALL, a_sweep
+from tubes import WALL, WIDE, a_sweep
 
 import photizon_cl as pz
 from photizon_cl.atomic import Lock
@@ -153,6 +152,8 @@ def test_what_is_no_sweep_is_refused(tmp_path, kept):
         pz.sweep(kept)
     with pytest.raises(pz.ResultError, match=r"resume\(\) of pz.open_sweep, goes on"):
         pz.resume(kept)
+    with pytest.raises(pz.ResultError, match=r"holds a sweep: pz.open_sweep opens it"):
+        pz.open_result(kept)
 
 
 def test_damage_is_told(kept):
@@ -203,11 +204,11 @@ def test_one_process_at_a_time(kept):
 # -- ends before the end ---------------------------------------------------------------------------
 
 
-def test_the_time_of_a_call_is_for_all_points(tmp_path):
-    many = {"path": "source.sun.tilt_deg[0]", "linspace": [0, 10, 400]}
+def test_the_time_of_a_call_is_for_all_points():
+    many = {"path": "source.sun.tilt_deg[0]", "linspace": [0, 10, 200]}
     tables = a_sweep(many, run={"batches": 4})
-    found = pz.sweep(tables, max_seconds=1.5)
-    assert 0 < found.n_done < 400
+    found = pz.sweep(tables, max_seconds=0.5)
+    assert 0 < found.n_done < 200
     assert not found.failed
     assert not found.interrupted
     assert "of them done" in repr(found)
@@ -221,7 +222,7 @@ def test_a_point_that_is_cut_short_by_the_call_is_not_done(tmp_path):
     assert (tmp_path / "out" / "points" / "0000" / "checkpoint.nc").exists()
 
 
-def test_the_time_of_a_point_ends_the_point(tmp_path):
+def test_the_time_of_a_point_ends_the_point():
     run = {"batches": 1_000_000, "max_seconds": 0.3}
     found = pz.sweep(a_sweep(WALL, run=run))
     assert [point.stopped for point in found] == ["time", "time"]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from conftest import WIDE
-from tubes import ANGLE, WALL, a_sweep
+from tubes import ANGLE, WALL, WIDE, a_sweep
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
@@ -86,10 +85,10 @@ def test_it_goes_on(file, capsys):
 
 
 def test_what_is_not_done_is_told(file, capsys):
-    file.write_text(json.dumps(a_sweep({**ANGLE, "linspace": [0, 9, 500]})), encoding="utf-8")
-    assert main(["sweep", str(file), "--out", "out", "--max-seconds", "1", "--no-figures"]) == 0
+    file.write_text(json.dumps(a_sweep({**ANGLE, "linspace": [0, 9, 120]})), encoding="utf-8")
+    assert main(["sweep", str(file), "--out", "out", "--max-seconds", "0.3", "--no-figures"]) == 0
     said = capsys.readouterr()
-    assert "of 500 points are not done: `photizon resume out` goes on with the sweep" in said.err
+    assert "of 120 points are not done: `photizon resume out` goes on with the sweep" in said.err
     assert "more points" in said.out
 
 

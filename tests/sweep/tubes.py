@@ -38,6 +38,7 @@ TUBE = {
     ],
 }
 ANGLE = {"path": "source.sun.tilt_deg[0]", "name": "angle", "linspace": [0, 11, 12]}
+WIDE = {"path": "source.sun.tilt_deg[0]", "name": "angle", "values": [0, 4, 8]}
 WALL = {"path": "element.tube.surface.reflectance", "values": [0.1, 0.5]}
 MEASURE = {
     "power": "detectors.sensor.power",
