@@ -88,6 +88,12 @@ class CompiledScene:
     precision: Precision = FP64
 
     @property
+    def heaviest(self) -> float:
+        """Weight of a ray at most, that of the heaviest launched one being 1."""
+        used = (effect for effect in EFFECTS if effect.name in self.reasons)
+        return max((effect.heaviest(self.scene, self.settings) for effect in used), default=1.0)
+
+    @property
     def effects(self) -> frozenset[str]:
         """Names of the effects and kinds in use."""
         return frozenset(self.reasons)

@@ -41,11 +41,14 @@ class LedgerRow:
         How it counts in the balance: 1 where emitted weight ended, −1 where weight was added.
     title : str
         What people call it.
+    signed : bool
+        Whether it may be negative: weight that comes and goes.
     """
 
     name: str
     sign: int
     title: str
+    signed: bool = False
 
 
 ROWS: Final[tuple[LedgerRow, ...]] = (

@@ -4,7 +4,9 @@
 comes out too small until it was seen often enough. So beside σ stand the variance of the variance
 (the relative variance of σ², S. Pederson, R. A. Forster and T. E. Booth, Nucl. Sci. Eng. 127, 54,
 1997), which falls as 1/n for any well-behaved quantity and is about 1/k where k events make up the
-scatter; the part of the total that the largest batch has, which bounds that of a single arrival;
+scatter; the part of the total that a single arrival may have, from the heaviest that a ray can be and
+from the largest batch: where rare arrivals with the weight of launched rays stand beside many weak
+ones, and where all weigh the same, that is the largest's exactly;
 and, of detectors, how many equal arrivals would have such a σ, beside how many there were. Where
 those are few of very many, few arrivals carry what makes σ, and more of their kind may not have
 been seen. Where rays split, of which many arrivals may be of one ray, at most all rays count.
@@ -64,7 +66,9 @@ class Checks:
     variance_of_variance : float
         Relative variance of σ²: Σd⁴/(Σd²)² − 1/n over the batches' deviations d from their mean.
     largest_share : float
-        Part of the total that the largest batch has: no arrival has more.
+        Part of the total that a single arrival may have: no arrival has more.
+    largest_batch : float
+        Part of the total that the largest batch has.
     count : int or None
         Independent arrivals, of rays that split at most as many as rays; None where they are not
         counted.
@@ -75,10 +79,19 @@ class Checks:
     variance_of_variance: float
     largest_share: float
     count: int | None = None
+    largest_batch: float = 1.0
 
     @classmethod
-    def of(cls, values: NDArray[np.float64], count: int | None = None) -> Checks | None:
-        """Return the checks of what each batch gave; None of fewer than two, or of zeros alone."""
+    def of(
+        cls,
+        values: NDArray[np.float64],
+        count: int | None = None,
+        heaviest: float = math.inf,
+    ) -> Checks | None:
+        """Return the checks of what each batch gave; None of fewer than two, or of zeros alone.
+
+        `heaviest` is what a single arrival can give at most, in the unit of the values.
+        """
         n = len(values)
         if n < 2 or not values.any():
             return None
@@ -89,12 +102,15 @@ class Checks:
         square = float((scaled**2).sum())
         fourth = float((scaled**4).sum())
         sigma = largest * math.sqrt(square / (n - 1) / n)
+        # what comes and goes may have no total to speak of
+        batch = min(float(np.abs(values).max()) / abs(total), 1.0) if total else 1.0
         return cls(
             n,
             sigma * n / abs(total) if total else math.inf,
             max(fourth / square**2 - 1.0 / n, 0.0) if square else 0.0,
-            float(values.max()) / total if total else 1.0,
+            min(batch, heaviest / abs(total)) if total else 1.0,
             count,
+            batch,
         )
 
     @property
@@ -153,7 +169,7 @@ class Checks:
         return (
             f"is made by few of {self.batches} batches (variance of the variance "
             f"{self.variance_of_variance:.2g}, good up to {self.limit:.2g}; the largest batch has "
-            f"{100.0 * self.largest_share:.2g} % of the total); {advice}"
+            f"{100.0 * self.largest_batch:.2g} % of the total); {advice}"
         )
 
     def summary(self) -> dict[str, Any]:

@@ -230,7 +230,7 @@ class Estimates:
                     count = int(self.tally.counts(quantity.first, 1)[0])
                     # of rays that split, many arrivals are of one ray
                     count = min(count, self.rays) if splits else count
-                checks = Checks.of(values, count)
+                checks = Checks.of(values, count, self.compiled.heaviest)
                 if checks is not None:
                     found[quantity.name] = checks
         return found

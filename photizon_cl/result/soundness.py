@@ -285,6 +285,11 @@ def check_tally(
         return
     # a row may miss zero by the rounding of splits, as the ledger may miss what was emitted
     least = -float(limit * compiled.emitted) * 2.0**UNIT_EXPONENT
+    lowest = np.full(n, least)
+    signed = [layout.row(row.name) for row in layout.rows if row.signed]
+    if state.cells is not None:
+        signed = np.flatnonzero(np.isin(state.cells, signed)).tolist()
+    lowest[signed] = -math.inf
     for first in range(0, n, _BLOCK):
         part = slice(first, first + _BLOCK)
         limbs, mean = state.limbs[part], state.mean[:n][part]
@@ -293,7 +298,7 @@ def check_tally(
         if (state.count[part] < 0).any():
             raise ValueError("it has negative counts")
         exact = totals_of(limbs) / batches
-        if (exact < least).any():
+        if (exact < lowest[part]).any():
             raise ValueError("it has negative powers")
         scatter = np.sqrt(np.maximum(state.m2[:n][part], 0.0))
         # NaN fails every comparison

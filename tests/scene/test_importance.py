@@ -119,6 +119,25 @@ def test_its_row_has_a_name_everywhere(tmp_path, capsys):
     assert "importance" in str(effects)
 
 
+def test_a_result_whose_weights_gained_is_read_again(tmp_path):
+    """The row is negative then, as no power is; of eight seeds some gain and some lose."""
+    signs = set()
+    for seed in range(1, 9):
+        aimed = ROOM.replace({"importance.toward": ["floor"]})
+        result = pz.trace(aimed, seed=seed, batches=2, rays_per_batch=256)
+        value = result.quantity("ledger.importance.balance").value
+        signs.add(value < 0.0)
+        result.save(tmp_path / str(seed), figures=False)
+        again = pz.open_result(tmp_path / str(seed))
+        assert again.quantity("ledger.importance.balance").value == value
+        further = pz.resume(tmp_path / str(seed), batches=3)
+        assert (
+            further.tally_digest
+            == pz.trace(aimed, seed=seed, batches=3, rays_per_batch=256).tally_digest
+        )
+    assert signs == {True, False}
+
+
 def test_advice_where_it_can_do_nothing():
     black = ROOM.replace({f'element."{e.name}".surface': pz.Absorber() for e in ROOM.element})
     asked = pz.Importance(toward=["floor"])

@@ -104,6 +104,23 @@ def test_scale_changes_nothing_however_large_or_small():
             assert getattr(found, name) == pytest.approx(getattr(want, name), rel=1e-12)
 
 
+def test_the_largest_arrival_is_bounded_by_the_heaviest_ray_and_by_the_largest_batch():
+    values = np.array([3.0, 4.0, 5.0])
+    assert Checks.of(values, 12, 1.0).largest_share == pytest.approx(1 / 12)
+    assert Checks.of(values, 12, 100.0).largest_share == pytest.approx(5 / 12)
+    assert Checks.of(-values, 12, 1.0).largest_share == pytest.approx(1 / 12)
+    assert Checks.of(np.array([1.0, -1.0]), 2, 1.0).largest_share == 1.0
+
+
+def test_of_equal_arrivals_each_has_its_part():
+    scene = pz.load("cosine-fourth")
+    result = pz.trace(scene, batches=8, rays_per_batch=256)
+    name = next(n for n in result.quantity_names if n.startswith("detectors."))
+    found = result.quantity(name)
+    assert found.count
+    assert found.checks.largest_share == pytest.approx(1 / found.count, rel=1e-12)
+
+
 def test_what_has_no_scatter_is_believed():
     checks = Checks.of(np.full(9, 0.25), 900)
     assert (checks.relative_sigma, checks.variance_of_variance) == (0, 0)

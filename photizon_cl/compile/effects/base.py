@@ -97,6 +97,13 @@ class Effect(ABC):
         """
         return 1.0
 
+    def heaviest(self, scene: Scene, settings: RunSettings) -> float:
+        """Return what a ray weighs at most because of it, that of the heaviest launched one being 1.
+
+        4 at most, which a tally holds (`count_weights` in kernels/lib/ledger.mako).
+        """
+        return 1.0
+
     def prepare(self, draft: Draft, *, forced: bool) -> None:  # noqa: B027 - most have nothing to do
         """Change how the scene is laid out, before the tables are made."""
 

@@ -80,9 +80,13 @@ class Importance(Effect):
         """Not without targets."""
         return False
 
+    def heaviest(self, scene: Scene, settings: RunSettings) -> float:
+        """Return the weight beyond which no ray is made heavier (HEAVIEST in its kernel)."""
+        return 2.0
+
     def rows(self, scene: Scene) -> tuple[LedgerRow, ...]:
         """Return what the weights lose; negative where they gain."""
-        return (LedgerRow("importance.balance", 1, "importance balance"),)
+        return (LedgerRow("importance.balance", 1, "importance balance", signed=True),)
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the draw."""

@@ -36,6 +36,10 @@ class Roulette(Effect):
         asked = settings.roulette_floor == 0.0
         return "roulette_floor is 0" + ("" if asked else ", as no ray splits")
 
+    def heaviest(self, scene: Scene, settings: RunSettings) -> float:
+        """Return twice the floor: what lies below it is doubled."""
+        return max(1.0, 2.0 * scene.roulette_floor(settings))
+
     def parts(self, draft: Draft) -> EffectParts:
         """Return the play, and the launched weight that the floor is a fraction of."""
         return EffectParts(

@@ -296,7 +296,7 @@ def checks_table(result: Estimates, most: int = MOST_ROWS) -> Table | None:
         "Statistical checks of every quantity that is one number and not 0",
         (
             ("quantity", False), ("relative σ", True), ("variance of the variance", True),
-            ("largest batch’s share", True), ("effective arrivals", True),
+            ("largest arrival’s share", True), ("effective arrivals", True),
             ("σ is believable", False),
         ),
         rows,
