@@ -98,7 +98,7 @@ class Effect(ABC):
         return 1.0
 
     def heaviest(self, scene: Scene, settings: RunSettings) -> float:
-        """Return what a ray weighs at most because of it, that of the heaviest launched one being 1.
+        """Return what a ray weighs at most because of it; the heaviest launched one weighs 1.
 
         4 at most, which a tally holds (`count_weights` in kernels/lib/ledger.mako).
         """
