@@ -4,8 +4,8 @@
 comes out too small until it was seen often enough. So beside σ stand the variance of the variance
 (the relative variance of σ², S. Pederson, R. A. Forster and T. E. Booth, Nucl. Sci. Eng. 127, 54,
 1997), which falls as 1/n for any well-behaved quantity and is about 1/k where k events make up the
-scatter; the part of the total that a single arrival may have, from the heaviest that a ray can be and
-from the largest batch: where rare arrivals with the weight of launched rays stand beside many
+scatter; the part of the total that a single arrival may have, from the heaviest that a ray can be
+and from the largest batch: where rare arrivals with the weight of launched rays stand beside many
 weak ones, and where all weigh the same, that is the largest's exactly;
 and, of detectors, how many equal arrivals would have such a σ, beside how many there were. Where
 those are few of very many, few arrivals carry what makes σ, and more of their kind may not have
