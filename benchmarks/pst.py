@@ -201,9 +201,10 @@ table of paths told what to aim at: light that the back plate scatters and the s
 So the scene of this sweep (`benchmarks/data/pst/telescope.toml`) has `clear` disks, which take no
 part in anything: two where the mirrors image the detector, behind the secondary at the primary's
 focus, and far down the axis, as wide as the field; and one in the mouth of the main baffle.
-`[importance] toward` names them beside the detector, the cap and the back plate. At 10°, after eight seconds each, σ was 32 %
-with the mirrors themselves as targets, and 1.4 % with the images. The mean is the same whatever is
-aimed at; only σ differs ([importance sampling](importance-sampling.md)).
+`[importance] toward` names them beside the detector, the cap and the back plate. At 10°, after
+eight seconds each, σ was 32 % with the mirrors themselves as targets, and 1.4 % with the images.
+The mean is the same whatever is aimed at; only σ differs
+([importance sampling](importance-sampling.md)).
 """
 
 
