@@ -116,7 +116,7 @@ class KeyedTable:
     """
 
     def __init__(self, device: OpenDevice, slots: int) -> None:
-        self._device, self._slots = device, slots
+        self._device, self.slots = device, slots
         self.capacity = FIRST_CAPACITY
         self.buffer = self._allocate()
 
@@ -128,7 +128,7 @@ class KeyedTable:
     def _allocate(self) -> cl.Buffer:
         import pyopencl as cl
 
-        size = self.size(self._slots, self.capacity)
+        size = self.size(self.slots, self.capacity)
         return cl.Buffer(self._device.context, cl.mem_flags.READ_WRITE, size)
 
     def clear(self, slots: int) -> None:
@@ -147,16 +147,21 @@ class KeyedTable:
         return bool(head[0])
 
     def grow(self) -> None:
-        """Make the tables larger; what is in them is lost.
+        """Make the tables larger, and fewer where they would be too large; what is in them is lost.
 
         Raises
         ------
         HostError
-            Where that is more than there may be.
+            Where one alone is more than there may be.
         """
         wanted = _GROWS * self.capacity
-        size = self.size(self._slots, wanted)
-        if size > min(_MOST_BYTES, self._device.record.max_allocation):
+        most = min(_MOST_BYTES, self._device.record.max_allocation)
+        while self.slots > 1 and self.size(self.slots, wanted) > most:
+            self.slots //= 2
+        while wanted > 2 * self.capacity and self.size(self.slots, wanted) > most:
+            wanted //= 2
+        size = self.size(self.slots, wanted)
+        if size > most:
             raise HostError(
                 f"more than {self.capacity} different paths end in one batch, and a larger table "
                 f"takes {size / 1e9:.1f} GB: take fewer rays_per_batch or a lower generation_cap"

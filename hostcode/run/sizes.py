@@ -26,6 +26,8 @@ _TALLY_BYTES: Final = 256 << 20
 """Device memory that the slots' tallies may take."""
 _WAITING_BYTES: Final = 64 << 20
 """Device memory for waiting rays at first, where it is enough; it grows when more wait."""
+_KEYED_BYTES: Final = 256 << 20
+"""Device memory that the slots' cells by key may take at first."""
 _COPIES_BYTES: Final = 64 << 20
 """Device memory that the tally stage's own copies may take."""
 
@@ -70,6 +72,8 @@ class Sizes:
         slots = 1
         if not is_sparse(tables.n_cells):
             slots = max(min(plan.wave_rays // rays, max(_TALLY_BYTES // one, 1)), 1)
+        if spec.keyed:
+            slots = max(min(slots, _KEYED_BYTES // KeyedTable.size(1)), 1)
         copies = plan.tally_copies if spec.records else 0
         copies = copies if copies * one * slots <= _COPIES_BYTES else 0
         wave = slots * rays if slots > 1 else min(plan.wave_rays, rays)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -14,7 +15,7 @@ from hostcode.run.tables import launch_of
 from hostcode.run.tally import CELL
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
@@ -23,11 +24,14 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_INTERACTIONS", "follow_trails"]
 
-MOST_INTERACTIONS: Final = 1 << 24
+MOST_INTERACTIONS: Final = 1 << 22
 """Steps for which the children of one launched ray are followed."""
 _RAY: Final = 5
 _BYTES_AT_ONCE: Final = 64 << 20
 _AT_ONCE: Final = 4096
+_FIRST: Final = 4
+"""Rays that are followed together at first; twice as many where that took less than `_SHORT`."""
+_SHORT: Final = 0.1
 
 
 def follow_trails(
@@ -97,9 +101,12 @@ def follow_trails(
     queue = Queue(device, spec, at_once, stack)
     last_steps, chains = allocate(at_once * stack), allocate(at_once * room)
     per_batch = int(tables.launch["rays_per_batch"])
-    for some in _shared_out(keys, rays, interactions, at_once):
-        if give_up is not None and give_up():
-            break
+    order = np.lexsort((keys.view(np.uint64), rays))  # as the kernel has the keys of a ray
+    done, together = 0, min(_FIRST, at_once)
+    while done < len(order) and not (give_up is not None and give_up()):
+        began = time.perf_counter()
+        some = _group(order[done:], rays, interactions, together)
+        done += len(some)
         numbers, begins, counts = np.unique(rays[some], return_index=True, return_counts=True)
         longest = np.maximum.reduceat(interactions[some], begins)
         asked = np.stack([*divmod(numbers, per_batch), begins, counts, longest], axis=1)
@@ -119,26 +126,18 @@ def follow_trails(
         cl.enqueue_copy(device.queue, lengths, buffers[3])
         for n, row, length in zip(some.tolist(), steps, lengths.tolist(), strict=True):
             found[n] = row[:length].copy() if length >= 0 else None
+        if time.perf_counter() - began < _SHORT:
+            together = min(2 * together, at_once)
     program.keep()
     return found
 
 
-def _shared_out(
-    keys: NDArray[np.int64], rays: NDArray[np.int64], interactions: NDArray[np.int64], at_once: int
-) -> Iterator[NDArray[np.intp]]:
-    """Give the paths some rays at a time, in order of ray and then of key as the kernel has it."""
-    order = np.lexsort((keys.view(np.uint64), rays))
-    begins = np.flatnonzero(np.append(True, np.diff(rays[order]) != 0))
-    ends = np.append(begins[1:], len(order))
-    first = 0
-    while first < len(begins):
-        last = first
-        widest, size = 0, 0
-        while last < len(begins) and last - first < at_once:
-            widest = max(widest, int(interactions[order[begins[last] : ends[last]]].max()))
-            size += int(ends[last] - begins[last])
-            if last > first and 8 * size * widest > _BYTES_AT_ONCE:
-                break
-            last += 1
-        yield order[begins[first] : ends[last - 1]]
-        first = last
+def _group(
+    order: NDArray[np.intp], rays: NDArray[np.int64], interactions: NDArray[np.int64], most: int
+) -> NDArray[np.intp]:
+    """Return the first paths of an order, of so many rays at most, whose steps take little room."""
+    new = np.diff(rays[order], prepend=-1) != 0
+    last = int(np.searchsorted(np.cumsum(new), most, side="right"))
+    widest = np.maximum.accumulate(interactions[order[:last]])
+    size = 8 * np.arange(1, last + 1) * np.maximum(widest, 1)
+    return order[: max(int(np.searchsorted(size, _BYTES_AT_ONCE, side="right")), 1)]

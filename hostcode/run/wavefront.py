@@ -291,6 +291,7 @@ class Engine:
             started = time.perf_counter()
             tallies, keyed = self._run_slots(first_batch + done, slots)
             self.statistics.seconds += time.perf_counter() - started
+            slots = len(tallies)
             for slot in range(slots):
                 by_key = None if keyed is None else keyed[slot]
                 yield BatchTally(first_batch + done + slot, tallies[slot], by_key)
@@ -305,6 +306,8 @@ class Engine:
         """Trace the batches of the first slots, until the cells by key have room for them."""
         made = self.statistics.interactions
         while True:
+            if self._keyed is not None:
+                slots = min(slots, self._keyed.slots)
             found = self._drain(first_batch, slots)
             if found is not None:
                 return found

@@ -159,6 +159,9 @@ def _print(table: PathTable, arguments: argparse.Namespace, emitted: float, out:
         head = f"{n:>3}  {power} W{' ± ' + error if row.sigma is not None else ''}  ({part}"
         out.print(f"{head}, {row.count} arrivals{ghost}; ray {row.example_ray})", soft_wrap=True)
         out.print(paragraph(row.sequence, "     "), soft_wrap=True)
+    if not table.complete:
+        text = "there were more paths than are kept: one that was met late is in the rest"
+        out.print(paragraph(text, ""), soft_wrap=True)
     left, rest = len(table) - arguments.top, table.rest
     if left > 0:
         out.print(paragraph(f"{left} more rows: --top shows them", ""), soft_wrap=True)

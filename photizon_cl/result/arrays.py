@@ -200,10 +200,11 @@ def _paths(
     for name, words in (
         ("count", "arrivals"),
         ("interactions", "surface interactions before the arrival"),
-        ("ghost_order", "reflections at refracting faces"),
+        ("ghost_order", "reflections at refracting faces, -1 where not known"),
         ("example_ray", "number of the first ray that shows it"),
     ):
-        numbers = np.array([getattr(row, name) for row in table], np.int64)
+        found = [getattr(row, name) for row in table]
+        numbers = np.array([-1 if one is None else one for one in found], np.int64)
         variables[f"{at}.path_{name}"] = (dim, numbers, {**about, "units": "1", "long_name": words})
     rest = table.rest
     left = {**power, "long_name": "power of all other paths"}

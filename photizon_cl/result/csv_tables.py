@@ -55,7 +55,8 @@ def paths_csv(result: Estimates) -> str:
             if table is not None:
                 for n, row in enumerate(table, start=1):
                     sigma = "" if row.sigma is None else row.sigma
-                    ends = (row.count, row.interactions, row.ghost_order, row.example_ray)
+                    order = "" if row.ghost_order is None else row.ghost_order
+                    ends = (row.count, row.interactions, order, row.example_ray)
                     yield (name, n, row.sequence, row.power, sigma, *ends)
                 rest = table.rest
                 sigma = "" if rest.sigma is None else rest.sigma

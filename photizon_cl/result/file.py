@@ -279,7 +279,8 @@ def _read(path: Path) -> Estimates:
         attrs = dict(group.attrs)
         compiled = _compiled(path, scene, _tallied(attrs), read_precision(attrs))
         check_shapes(group.variables, compiled.layout, path.stat().st_size)
-        check_path_shapes(group.variables, compiled.layout)
+        cap = compiled.settings.generation_cap
+        check_path_shapes(group.variables, compiled.layout, cap)
         arrays = {str(name): np.asarray(group[name][...]) for name in group.variables}
     _check_sum(arrays, attrs, text)
     batches = integer(attrs["batches"], "batches")

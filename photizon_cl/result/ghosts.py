@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
+
+from photizon_cl.errors import ArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -13,6 +17,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = ["GhostPair", "Ghosts"]
+
+_MOST_FACES: Final = 4096
 
 
 @dataclass(frozen=True)
@@ -39,11 +45,10 @@ class GhostPair:
         return f"{self.first} → {self.second}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Ghosts:
     """Power of the paths with two reflections at refracting faces, by the pair.
 
-    Parameters
+    Attributes
     ----------
     faces : tuple of str
         Refracting faces, in file order.
@@ -54,42 +59,47 @@ class Ghosts:
         Arrivals.
     """
 
-    faces: tuple[str, ...]
-    power: NDArray[np.float64]
-    sigma: NDArray[np.float64]
-    count: NDArray[np.int64]
+    def __init__(
+        self, faces: list[str], pairs: Mapping[tuple[str, str], tuple[float, float | None, int]]
+    ) -> None:
+        self.faces = tuple(faces)
+        found = [GhostPair(a, b, *values) for (a, b), values in pairs.items()]
+        self._pairs = tuple(sorted(found, key=lambda pair: -pair.power))
 
     def __repr__(self) -> str:
-        pairs = self.pairs()
-        return f"<Ghosts: {len(pairs)} pairs of {len(self.faces)} faces, {self.power.sum():.6g} W>"
+        power = sum(pair.power for pair in self._pairs)
+        return f"<Ghosts: {len(self._pairs)} pairs of {len(self.faces)} faces, {power:.6g} W>"
 
     def pairs(self) -> tuple[GhostPair, ...]:
         """Return the pairs that bring anything, the strongest first."""
-        found = []
-        for a, b in zip(*(at.tolist() for at in np.nonzero(self.count)), strict=True):
-            sigma = float(self.sigma[a, b])
-            found.append(
-                GhostPair(
-                    self.faces[a],
-                    self.faces[b],
-                    float(self.power[a, b]),
-                    None if np.isnan(sigma) else sigma,
-                    int(self.count[a, b]),
-                )
-            )
-        return tuple(sorted(found, key=lambda pair: -pair.power))
+        return self._pairs
 
-    @classmethod
-    def of(
-        cls, faces: list[str], pairs: Mapping[tuple[str, str], tuple[float, float | None, int]]
-    ) -> Ghosts:
-        """Return the matrix of some pairs, each with power, σ and arrivals."""
-        n = len(faces)
-        power, sigma = np.zeros((n, n)), np.full((n, n), np.nan)
-        count = np.zeros((n, n), np.int64)
-        at = {face: k for k, face in enumerate(faces)}
-        for (first, second), (value, error, arrivals) in pairs.items():
-            where = at[first], at[second]
-            power[where], count[where] = value, arrivals
-            sigma[where] = np.nan if error is None else error
-        return cls(tuple(faces), power, sigma, count)
+    @cached_property
+    def power(self) -> NDArray[np.float64]:
+        """W, shape (n, n)."""
+        return self._matrix([pair.power for pair in self._pairs], 0.0)
+
+    @cached_property
+    def sigma(self) -> NDArray[np.float64]:
+        """Standard errors in W, shape (n, n)."""
+        errors = [math.nan if pair.sigma is None else pair.sigma for pair in self._pairs]
+        return self._matrix(errors, math.nan)
+
+    @cached_property
+    def count(self) -> NDArray[np.int64]:
+        """Arrivals, shape (n, n)."""
+        counts = self._matrix([float(pair.count) for pair in self._pairs], 0.0)
+        return np.asarray(counts, np.int64)
+
+    def _matrix(self, values: list[float], empty: float) -> NDArray[np.float64]:
+        n = len(self.faces)
+        if n > _MOST_FACES:
+            raise ArgumentError(
+                f"ghosts: found {n} faces, expected at most {_MOST_FACES} for a matrix: pairs() "
+                "lists those that bring anything"
+            )
+        out = np.full((n, n), empty)
+        at = {face: k for k, face in enumerate(self.faces)}
+        for pair, value in zip(self._pairs, values, strict=True):
+            out[at[pair.first], at[pair.second]] = value
+        return out

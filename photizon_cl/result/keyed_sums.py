@@ -1,8 +1,8 @@
 """Sums over batches of cells by key: which paths bring light to a detector.
 
 Exact totals and Welford's squares of every key, in the order in which keys were admitted: batch by
-batch, of one batch the strongest first. When there are as many as may be, no new one is admitted,
-so that every key that is here has all of its arrivals; what the others brought is what is left of
+batch, of one batch the strongest first. A detector admits as many as its share; then no new one, so
+that every key that is here has all of its arrivals, and what the others brought is what is left of
 the detector's power. The first keys, which are mostly the strongest, keep what each batch gave, so
 that a group of them has a standard error of its own.
 """
@@ -19,21 +19,39 @@ from photizon_cl.errors import RunError
 from photizon_cl.result.sums import TOTAL_LIMBS, totals_of, welford
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from hostcode.run.keyed import KeyedRows
     from hostcode.run.tally import SparseTally
     from photizon_cl.compile.layout import TallyLayout
 
-__all__ = ["LEAST_ADMITTED", "MOST_FOLLOWED_VALUES", "KeyedState", "KeyedSums", "check_paths"]
+__all__ = [
+    "LEAST_ADMITTED",
+    "MOST_FOLLOWED_VALUES",
+    "KeyedState",
+    "KeyedSums",
+    "admitted",
+    "check_paths",
+]
 
 LEAST_ADMITTED: Final = 1 << 16
-"""Keys that are admitted at least."""
+"""Keys that all detectors together admit at least, in equal shares."""
 FOLLOWED: Final = 1 << 13
 """Keys of which each batch's value is kept at most."""
 MOST_FOLLOWED_VALUES: Final = 1 << 22
 """Numbers that are kept of them, 32 MiB; as batches become many, of fewer keys."""
 _LOW: Final = np.int64(0xFFFFFFFF)
+_AGREES: Final = 1e-6
+"""Part of a mean, or of its scatter, by which what is kept of it may differ."""
+
+
+def admitted(layout: TallyLayout) -> dict[int, int]:
+    """Return how many paths each detector admits, by its number: four times its rows at least."""
+    having = {number: d.paths for number, d in enumerate(layout.detectors) if d.paths}
+    least = LEAST_ADMITTED // max(len(having), 1)
+    return {number: max(4 * rows, least) for number, rows in having.items()}
 
 
 def check_paths(
@@ -93,25 +111,29 @@ class KeyedSums:
 
     Parameters
     ----------
-    most : int
-        Keys that are admitted at most.
+    most : mapping of int to int
+        Keys that each detector admits at most, by its number.
     """
 
-    def __init__(self, most: int) -> None:
-        self.most = most
+    def __init__(self, most: Mapping[int, int]) -> None:
+        self.most = dict(most)
         self.keys = self.about = self.first = self.count = np.empty(0, np.int64)
         self.limbs = np.empty((0, TOTAL_LIMBS), np.int64)
         self.mean = self.m2 = np.empty(0)
         self._order = np.empty(0, np.intp)
         self._rows: list[NDArray[np.float64]] = []
+        self._table: NDArray[np.float64] | None = None
 
     def __len__(self) -> int:
         return len(self.keys)
 
-    @property
-    def full(self) -> bool:
-        """Whether no new key is admitted."""
-        return len(self.keys) >= self.most
+    def rows_of(self, detector: int) -> NDArray[np.intp]:
+        """Return which rows are a detector's, in order of admission."""
+        return np.flatnonzero(self.about >> 32 == detector)
+
+    def full(self, detector: int) -> bool:
+        """Say whether a detector admits no new key."""
+        return len(self.rows_of(detector)) >= self.most.get(detector, 0)
 
     @property
     def nbytes(self) -> int:
@@ -124,21 +146,18 @@ class KeyedSums:
 
         Raises
         ------
-        ValueError
+        RunError
             Where a key stands for something else than it did: two paths share it.
         """
         at = self._places(batch.keys)
-        new = np.flatnonzero(at < 0)[: None if not self.full else 0]
+        new = self._admitted(batch, np.flatnonzero(at < 0))
         if len(new):
-            rows = batch.rows[new]
-            rank = np.lexsort((batch.keys[new], -rows[:, 2], -rows[:, 1], -rows[:, 0]))
-            new = new[rank[: self.most - len(self.keys)]]
             at[new] = np.arange(len(self.keys), len(self.keys) + len(new))
             self._admit(batch, new)
         known = at >= 0
         at, rows = at[known], batch.rows[known]
         if (self.about[at] != batch.about[known]).any():
-            raise ValueError("two paths have the same key, which happens once in 10^7 runs")
+            raise RunError("two paths have the same key, once in 10^7 runs: take another seed")
         limbs = self.limbs[at]
         limbs[:, 1:] += rows[:, :3]
         for k in (3, 2, 1):
@@ -149,10 +168,29 @@ class KeyedSums:
         x = np.zeros(len(self.keys))
         x[at] = values(rows)
         welford(self.mean, self.m2, x, batches)
-        self._rows.append(x[:FOLLOWED].copy())
-        most = MOST_FOLLOWED_VALUES // len(self._rows)
-        if most < FOLLOWED:
+        self._rows.append(x[: self._width(len(self._rows) + 1)].copy())
+        self._table = None
+        widest = max(map(len, self._rows[:1]), default=0)
+        if widest > 2 * self._width(len(self._rows)):  # as they were half as many batches ago
+            most = self._width(len(self._rows))
             self._rows = [row if len(row) <= most else row[:most].copy() for row in self._rows]
+
+    @staticmethod
+    def _width(batches: int) -> int:
+        """Return of how many keys each batch's value is kept of so many batches."""
+        return min(FOLLOWED, MOST_FOLLOWED_VALUES // max(batches, 1))
+
+    def _admitted(self, batch: KeyedRows, new: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Return which of a batch's new keys there is room for, the strongest first."""
+        rows = batch.rows[new]
+        rank = np.lexsort((batch.keys[new], -rows[:, 2], -rows[:, 1], -rows[:, 0]))
+        new = new[rank]
+        which, own = batch.about[new] >> 32, self.about >> 32
+        fits = np.zeros(len(new), np.bool_)
+        for detector, most in self.most.items():
+            left = most - int(np.count_nonzero(own == detector))
+            fits[np.flatnonzero(which == detector)[: max(left, 0)]] = True
+        return new[fits]
 
     def _places(self, keys: NDArray[np.int64]) -> NDArray[np.intp]:
         """Return where keys stand, −1 for those that are not here."""
@@ -187,13 +225,13 @@ class KeyedSums:
 
     def table(self) -> NDArray[np.float64]:
         """Return what batches gave of the first keys, shape (batches, f), in launched weights."""
-        width = min((len(self.keys), FOLLOWED))
-        if self._rows:
-            width = min(width, MOST_FOLLOWED_VALUES // len(self._rows))
-        out = np.zeros((len(self._rows), width))
-        for k, row in enumerate(self._rows):
-            out[k, : len(row[:width])] = row[:width]
-        return out
+        if self._table is None:
+            width = min(len(self.keys), self._width(len(self._rows)))
+            self._table = np.zeros((len(self._rows), width))
+            for k, row in enumerate(self._rows):
+                self._table[k, : len(row[:width])] = row[:width]
+            self._table.flags.writeable = False
+        return self._table
 
     # -- keeping -------------------------------------------------------------------------------
 
@@ -219,7 +257,7 @@ class KeyedSums:
         )
 
     @classmethod
-    def restore(cls, most: int, state: KeyedState, batches: int) -> KeyedSums:
+    def restore(cls, most: Mapping[int, int], state: KeyedState, batches: int) -> KeyedSums:
         """Return sums that go on where `state` was taken.
 
         Raises
@@ -228,12 +266,12 @@ class KeyedSums:
             Where its arrays do not belong together, or are no totals.
         """
         m = len(state.keys)
-        if m > most or len(np.unique(state.keys)) != m or (state.keys == 0).any():
-            raise ValueError("its keys of paths are not different, or too many")
+        if len(np.unique(state.keys)) != m or (state.keys == 0).any():
+            raise ValueError("its keys of paths are not different")
         arrays = (state.about, state.first, state.count, state.mean, state.m2)
         if any(a.shape != (m,) for a in arrays) or state.limbs.shape != (m, TOTAL_LIMBS):
             raise ValueError("its sums of paths do not belong together")
-        width = min(m, FOLLOWED, MOST_FOLLOWED_VALUES // max(batches, 1))
+        width = min(m, cls._width(batches))
         if state.values.shape != (batches, width):
             raise ValueError(f"its paths' batch values have the shape {state.values.shape}")
         numbers = np.concatenate([state.mean, state.m2, state.values.ravel()])
@@ -252,4 +290,34 @@ class KeyedSums:
         made.mean, made.m2 = np.array(state.mean, np.float64), np.array(state.m2, np.float64)
         made._order = np.argsort(made.keys)
         made._rows = list(np.array(state.values, np.float64))
+        which = made.about >> 32
+        if any(np.count_nonzero(which == d) > most.get(int(d), 0) for d in np.unique(which)):
+            raise ValueError("it has more paths to a detector than a result keeps")
+        made._check_scatter(batches)
         return made
+
+    def _check_scatter(self, batches: int) -> None:
+        """See that means and squares are those of totals and of what batches gave.
+
+        Raises
+        ------
+        ValueError
+            Where they are not.
+        """
+        if not batches:
+            if len(self.keys):
+                raise ValueError("it has paths and no batches")
+            return
+        exact = totals_of(self.limbs) / batches
+        scatter = np.sqrt(self.m2 / batches)
+        if not (np.abs(self.mean - exact) <= _AGREES * (exact + scatter)).all():
+            raise ValueError("its paths' means are not those of their totals")
+        table = self.table()
+        n = table.shape[1]
+        spread = table.std(axis=0)
+        room = _AGREES * (exact[:n] + scatter[:n] + spread)
+        if not (
+            (np.abs(table.mean(axis=0) - exact[:n]) <= room).all()
+            and (np.abs(spread - scatter[:n]) <= room).all()
+        ):
+            raise ValueError("its paths' batch values are not those of their totals")

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from photizon_cl.result.keyed_sums import FOLLOWED, LEAST_ADMITTED, KeyedState
+from photizon_cl.result.keyed_sums import (
+    FOLLOWED,
+    MOST_FOLLOWED_VALUES,
+    KeyedState,
+    admitted,
+)
+from photizon_cl.result.sums import TOTAL_LIMBS
 from photizon_cl.result.trails import Trails
 
 if TYPE_CHECKING:
@@ -49,7 +55,7 @@ def path_arrays(made: xr.Dataset, keyed: KeyedState | None, trails: Trails | Non
             made[name] = (dims, getattr(trails, attribute), {"long_name": text})
 
 
-def check_path_shapes(variables: Mapping[str, Any], layout: TallyLayout) -> None:
+def check_path_shapes(variables: Mapping[str, Any], layout: TallyLayout, cap: int) -> None:
     """See, before any is read, that a file has the path tables of its scene, of possible sizes.
 
     Raises
@@ -71,9 +77,24 @@ def check_path_shapes(variables: Mapping[str, Any], layout: TallyLayout) -> None
     if layout.most_paths and "path_keys" not in variables:
         raise ValueError("its scene has path tables, and it has none")
     if "path_keys" in variables:
-        most = max(layout.most_paths, LEAST_ADMITTED)
-        if variables["path_keys"].shape[0] > most or variables["path_values"].shape[1] > FOLLOWED:
+        n = variables["path_keys"].shape[0]
+        wide = variables["path_values"].shape[1] > min(n, FOLLOWED)
+        if n > sum(admitted(layout).values()) or wide:
             raise ValueError("it has more paths than a result keeps")
+        for name, (_, dims, _, _) in _SUMS.items():
+            shape = tuple(variables[name].shape)
+            if dims[0] == "path" and shape not in ((n,), (n, TOTAL_LIMBS)):
+                raise ValueError(f"its {name} has the shape {shape}, and it has {n} paths")
+        batches = variables["path_values"].shape[0]
+        if batches * variables["path_values"].shape[1] > MOST_FOLLOWED_VALUES:
+            raise ValueError("it has more of single batches than a result keeps")
+    if "trail_keys" in variables:
+        n = variables["trail_keys"].shape[0]
+        steps = variables["trail_steps"].shape[0]
+        if n > layout.most_paths or variables["trail_ends"].shape != (n,):
+            raise ValueError("it has steps of more paths than a result shows")
+        if steps > n * cap:
+            raise ValueError(f"its {n} paths have {steps} steps, and the generation cap is {cap}")
 
 
 def keyed_state(arrays: Mapping[str, NDArray[Any]]) -> KeyedState | None:
@@ -104,14 +125,19 @@ def check_path_sums(compiled: CompiledScene, tally: Accumulator, trails: Trails 
     which = sums.about >> 32
     detectors = compiled.layout.detectors
     having = [number for number, d in enumerate(detectors) if d.paths]
+    settings = compiled.settings
+    if (sums.about & 0xFFFFFFFF > settings.generation_cap).any() or (
+        sums.first >= tally.batches * settings.rays_per_batch
+    ).any():
+        raise ValueError("it has paths of more interactions or rays than there were")
     if not np.isin(which, having).all():
         raise ValueError("it has paths to detectors that have no path table")
     for number in having:
         mine = np.flatnonzero(which == number)
         total = sum(sums.exact(row) for row in mine.tolist())
-        count, power = int(sums.count[mine].sum()), detectors[number].power
+        count, power = sum(sums.count[mine].tolist()), detectors[number].power
         most, arrivals = tally.exact(power), int(tally.counts(power, 1)[0])
-        whole = not sums.full
+        whole = not sums.full(number)
         if total > most or count > arrivals or (whole and (total, count) != (most, arrivals)):
             raise ValueError("its paths bring another power than their detector has")
     if trails is not None:

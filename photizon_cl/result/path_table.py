@@ -50,8 +50,8 @@ class PathRow:
         Arrivals.
     interactions : int
         With surfaces, the detector's not among them.
-    ghost_order : int
-        Number of ``r`` on refracting faces.
+    ghost_order : int or None
+        Number of ``r`` on refracting faces; None where the sequence is not known.
     example_ray : int
         Number of a launched ray that shows it: the first one.
     steps : tuple of Step
@@ -63,9 +63,14 @@ class PathRow:
     sigma: float | None
     count: int
     interactions: int
-    ghost_order: int
+    ghost_order: int | None
     example_ray: int
     steps: tuple[Step, ...]
+
+    @property
+    def known(self) -> bool:
+        """Whether its sequence is known: its example ray was followed."""
+        return self.ghost_order is not None
 
     @property
     def events(self) -> str:
@@ -176,11 +181,20 @@ class PathTable(Sequence[PathRow]):
 
     def __repr__(self) -> str:
         rest = self._about.total_paths - len(self.rows)
+        more = "" if self.complete else " or more"
         return (
             f"<PathTable {show(self.detector)}: {len(self.rows)} paths"
-            + (f" of {self._about.total_paths}" if rest > 0 else "")
+            + (f" of {self._about.total_paths}{more}" if rest > 0 else "")
             + f", {self.power:.6g} W>"
         )
+
+    @property
+    def complete(self) -> bool:
+        """Whether every path that was met was looked at: else there were more than are kept.
+
+        A path that was first met when there were as many as are kept is in `rest`, however strong.
+        """
+        return self._about.complete
 
     # -- sums ------------------------------------------------------------------------------------
 
@@ -243,10 +257,12 @@ class PathTable(Sequence[PathRow]):
             raise ArgumentError(f"event: found {show(event)}, expected one of r, t, i, s")
         with_all = [self._test(name) for name in _names(via)]
         with_none = [self._test(name) for name in _names(avoiding)]
+        asked = with_all or with_none or event is not None or ghost_order is not None
         kept = [
             n
             for n, row in enumerate(self.rows)
-            if all(any(map(test, row.steps)) for test in with_all)
+            if (row.known or not asked)
+            and all(any(map(test, row.steps)) for test in with_all)
             and not any(any(map(test, row.steps)) for test in with_none)
             and (event is None or event in row.events)
             and (ghost_order is None or row.ghost_order == ghost_order)
@@ -260,10 +276,10 @@ class PathTable(Sequence[PathRow]):
         return PathTable(self.detector, rows, exact, self._columns[kept], self._about)
 
     def _test(self, name: str) -> Callable[[Step], bool]:
-        place, _, letter = name.strip().rpartition(" ")
-        if not place or letter not in EVENTS.values():
-            place, letter = name.strip(), ""
         known = self._about.places
+        place, _, letter = name.strip().rpartition(" ")
+        if name.strip() in known or letter not in EVENTS.values():
+            place, letter = name.strip(), ""
         if place not in known:
             raise unknown_name("elements and faces (an event may follow: r, t, i, s)", name, known)
         matching = known[place]
@@ -299,7 +315,7 @@ class PathTable(Sequence[PathRow]):
             raise ArgumentError(f"by: found {show(by)}, expected one of {', '.join(keys)}")
         found: dict[str, list[int]] = {}
         for n, row in enumerate(self.rows):
-            label = keys[by](row) if row.steps or not row.interactions else _UNKNOWN
+            label = keys[by](row) if row.known else _UNKNOWN
             found.setdefault(label, []).append(n)
         parts = [(label, self._some(numbers)) for label, numbers in found.items()]
         groups = [
@@ -316,7 +332,7 @@ class PathTable(Sequence[PathRow]):
                 first, second = (s.place for s in row.steps if s.refracting and s.event == "r")
                 pairs.setdefault((first, second), []).append(n)
         faces = list(dict.fromkeys(self._about.refracting))
-        return Ghosts.of(
+        return Ghosts(
             faces,
             {
                 pair: (part.power, part.sigma, sum(row.count for row in part))
@@ -357,6 +373,7 @@ class PathTable(Sequence[PathRow]):
             "rows": len(self.rows),
             "strongest": [row.summary() for row in self.rows[:_SHOWN]],
             "rest": self.rest.summary(),
+            "complete": self.complete,
         }
 
     @classmethod
@@ -373,14 +390,15 @@ class PathTable(Sequence[PathRow]):
         assert sums is not None
         mine = strongest(sums, number, d.paths)
         about = _About(compiled, tally, d, number)
-        known = {} if trails is None else trails.by_key()
+        known = {} if trails is None else trails.by_key
+        made: dict[int, Step] = {}
         errors = np.sqrt(sums.m2[mine] / max(tally.batches - 1, 1) / max(tally.batches, 1))
         rows, exact = [], []
         for at, error in zip(mine.tolist(), errors.tolist(), strict=True):
             exact.append(sums.exact(at))
             interactions = int(sums.about[at] & 0xFFFFFFFF)
             steps = known.get(int(sums.keys[at]))
-            found = () if steps is None else words(compiled.scene, steps)
+            found = () if steps is None else words(compiled.scene, steps, made)
             told = steps is not None or not interactions
             rows.append(
                 PathRow(
@@ -389,7 +407,7 @@ class PathTable(Sequence[PathRow]):
                     error * compiled.unit_power if tally.batches > 1 else None,
                     int(sums.count[at]),
                     interactions,
-                    sum(step.refracting and step.event == "r" for step in found),
+                    sum(s.refracting and s.event == "r" for s in found) if told else None,
                     int(sums.first[at]),
                     found,
                 )
@@ -426,12 +444,13 @@ class _About:
         self.power_values = tally.batch_values.of(d.power)
         self.power_sigma = float(tally.standard_error(d.power, 1)[0])
         self.total_paths = int(np.count_nonzero(self.sums.about >> 32 == number))
+        self.complete = not self.sums.full(number)
         self.nothing = 0.0 if tally.batches > 1 else None
 
     def watts(self, exact: int) -> float:
         return watts(self.compiled, exact, self.batches)
 
-    @cached_property
+    @property
     def table(self) -> NDArray[np.float64]:
         return self.sums.table()
 

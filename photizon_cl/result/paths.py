@@ -89,7 +89,7 @@ class Paths:
     ledger : dict of str to float
         Watts by row of what was followed: ``absorbed by NAME``, escaped, roulette killed, roulette
         boosted, depth-capped. These are the rows of one batch of a trace, bit for bit, where
-        nothing was cut.
+        nothing was cut. Empty where only some paths were picked.
     cut : ndarray of int64
         Numbers of the rays that have more segments than were asked for.
     """
@@ -146,7 +146,7 @@ class Paths:
                 f"{len(self.cut)} of {self.scene.run.rays_per_batch} rays (number {numbers}) have "
                 "more segments than max_segments and are not shown to their ends"
             )
-        capped = self.ledger["depth-capped"]
+        capped = self.ledger.get("depth-capped", 0.0)
         if capped > 0.0:
             said.append(
                 f"{capped:.3g} W reached the generation cap of {self.scene.run.generation_cap} "

@@ -26,7 +26,7 @@ from hostcode.run.tally import (
 )
 from photizon_cl.errors import RunError
 from photizon_cl.result.batch_values import BatchValues
-from photizon_cl.result.keyed_sums import LEAST_ADMITTED, KeyedState, KeyedSums
+from photizon_cl.result.keyed_sums import KeyedState, KeyedSums, admitted
 from photizon_cl.result.sums import TOTAL_LIMBS, DenseSums, SparseSums, Sums, welford
 
 if TYPE_CHECKING:
@@ -204,6 +204,8 @@ class Accumulator:
             raise ValueError(f"cells of shape {cells.shape}, expected {(self.n_cells, CELL)}")
         elif isinstance(self._sums, SparseSums):
             cells = SparseTally.of(cells)
+        if self.keyed is not None and keyed is not None:
+            self.keyed.add(keyed, self.batches + 1)
         chain = hashlib.sha256(self._digest)
         for part in self._image(cells):
             chain.update(np.ascontiguousarray(part, dtype="<i8").data)
@@ -212,8 +214,6 @@ class Accumulator:
                 chain.update(np.ascontiguousarray(part, dtype="<i8").data)
         self._digest = chain.digest()
         self.batches += 1
-        if self.keyed is not None and keyed is not None:
-            self.keyed.add(keyed, self.batches)
         self._sums.add(cells, self.batches)
         self.batch_values.add(cells)
         if self.differences:
@@ -288,7 +288,7 @@ class Accumulator:
         """
         made = cls._of(layout, state)
         if layout.most_paths:
-            most = max(layout.most_paths, LEAST_ADMITTED)
+            most = admitted(layout)
             if state is None:
                 made.keyed = KeyedSums(most)
             elif state.keyed is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -80,8 +81,16 @@ class Trails:
             np.concatenate([np.empty(0, np.int64), *(steps for _, steps in pairs)]),
         )
 
+    def and_these(self, others: Trails, keys: NDArray[np.int64]) -> Trails:
+        """Return these and others, of those paths that have one of some keys."""
+        known = {**self.by_key, **others.by_key}
+        still = set(keys.tolist())
+        wanted = [key for key in known if key in still]
+        return Trails.of(wanted, [known[key] for key in wanted])
+
+    @cached_property
     def by_key(self) -> dict[int, NDArray[np.int64]]:
-        """Return the steps of each path."""
+        """The steps of each path."""
         begins = np.append(0, self.ends[:-1]) if len(self.ends) else self.ends
         return {
             int(key): self.steps[a:b]
@@ -167,14 +176,13 @@ def keys_of(
     return key.view(np.int64)
 
 
-def words(scene: Scene, steps: NDArray[np.int64]) -> tuple[Step, ...]:
-    """Return the steps of a path by their names."""
-    found = []
-    for element, face, event in zip(*(part.tolist() for part in _split(steps)), strict=True):
-        item = scene.element[element]
-        refracting = item.surface.refracts
-        found.append(Step(item.name, item.face_name(face), EVENTS[event], refracting))
-    return tuple(found)
+def words(scene: Scene, steps: NDArray[np.int64], known: dict[int, Step]) -> tuple[Step, ...]:
+    """Return the steps of a path by their names; `known` are those that were made before."""
+    for step in set(steps.tolist()) - known.keys():
+        item = scene.element[step >> 20]
+        face = item.face_name((step >> 4) & 0xFFFF)
+        known[step] = Step(item.name, face, EVENTS[step & 15], item.surface.refracts)
+    return tuple(known[step] for step in steps.tolist())
 
 
 def sequence(steps: Sequence[Step], detector: str) -> str:

@@ -35,7 +35,7 @@ from photizon_cl.run.interruption import interruptible
 from photizon_cl.run.memory import check_memory, no_room_for
 from photizon_cl.run.pilot import pilot_of_capped
 from photizon_cl.run.progress import Clock, Progress
-from photizon_cl.run.trails import with_trails
+from photizon_cl.run.trails import missing, with_trails
 from photizon_cl.run.window import bytes_on_the_way
 from photizon_cl.run.workers import Executed
 from photizon_cl.version import __version__
@@ -102,7 +102,9 @@ def refine(
         )
     start = type(result)(compiled, result.tally.copy(), info)
     if start.batches and goal.reached(compiled.layout, start.tally):
-        return start
+        if not len(missing(start)):
+            return start
+        return type(result)(compiled, start.tally, with_trails(start, _selector(device)))
     return go_on(start, goal, device, progress, executor, plan, checkpoint)
 
 
@@ -304,7 +306,9 @@ def _add_batches(
         if keeper is not None:
             keeper.note(lambda: result, last=True)
         if tally.keyed is not None:
-            result = type(start)(compiled, tally, with_trails(result, chosen, interrupted))
+            # a run with a time limit ends within a fifth more and two seconds
+            spare = None if goal.max_seconds is None else 1.0 + 0.1 * goal.max_seconds
+            result = type(start)(compiled, tally, with_trails(result, chosen, spare))
             info = result.info
             if keeper is not None:
                 keeper.note(lambda: result, last=True)

@@ -227,8 +227,9 @@ def _checked(chunk: Chunk, task: Task) -> Chunk:
     keyed = chunk.keyed
     if type(keyed) is not tuple or len(keyed) != wanted:
         raise RefusedError(f"does not hold {wanted} tables of paths")
-    if not all(type(rows) is KeyedRows and _are_arrays(rows) for rows in keyed):
-        raise RefusedError("holds something that is no table of paths")
+    for number, rows in enumerate(keyed, start=task.first):
+        if type(rows) is not KeyedRows or not _are_paths(rows, task.tables, number):
+            raise RefusedError("holds something that is no table of paths")
     told = type(chunk.device), type(chunk.build_seconds), type(chunk.portable)
     if told != (str, float, bool):
         raise RefusedError("does not say where it was computed")
@@ -250,8 +251,23 @@ def _checked(chunk: Chunk, task: Task) -> Chunk:
     return kept
 
 
-def _are_arrays(rows: KeyedRows) -> bool:
-    return all(type(array) is np.ndarray for array in rows.arrays)
+def _are_paths(rows: KeyedRows, tables: DeviceTables, batch: int) -> bool:
+    """Say whether rows can be a batch's: of its rays and detectors, in canonical form."""
+    if not all(type(array) is np.ndarray for array in rows.arrays):
+        return False
+    cells, launch = rows.rows, tables.launch
+    rays, first = int(launch["rays_per_batch"]), rows.first
+    which, interactions = rows.about >> 32, rows.about & 0xFFFFFFFF
+    place = int(launch["path_tables"]) + which
+    return bool(
+        (cells[:, :3] >= 0).all()
+        and (cells[:, 1:3] < 1 << 32).all()
+        and (cells[:, 3] >= 1).all()
+        and (first // rays == batch).all()
+        and (interactions <= int(launch["generation_cap"])).all()
+        and ((which >= 0) & (place < len(tables.codes))).all()
+        and (tables.codes[place] == 1).all()
+    )
 
 
 def _is_tally(tally: object, n_cells: int) -> bool:

@@ -13,7 +13,7 @@ from hostcode.run.queue import Queue
 from hostcode.run.sizes import Sizes
 from hostcode.run.tally import CELL, is_sparse
 from photizon_cl.result.batch_values import MOST_VALUES
-from photizon_cl.result.keyed_sums import LEAST_ADMITTED, MOST_FOLLOWED_VALUES
+from photizon_cl.result.keyed_sums import MOST_FOLLOWED_VALUES, admitted
 from photizon_cl.result.sums import SPARSE_CELL
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ def _paths(layout: TallyLayout) -> int:
     """Return what sums by path may come to, and writing them."""
     if not layout.most_paths:
         return 0
-    return 3 * (_PATH * max(layout.most_paths, LEAST_ADMITTED) + _VALUE * MOST_FOLLOWED_VALUES)
+    return 3 * (_PATH * sum(admitted(layout).values()) + _VALUE * MOST_FOLLOWED_VALUES)
 
 
 def _values(layout: TallyLayout, batches: int) -> int:

@@ -102,7 +102,8 @@ def paths(
     picked = ending_on is not None or ray_numbers is not None
     if via and ending_on is None:
         raise ArgumentError("via: give ending_on as well, the element that the paths end on")
-    n_rays = _whole("rays", rays, max(len(loaded.source), 1), MAX_RAYS_PER_BATCH)
+    least = 1 if picked else max(len(loaded.source), 1)
+    n_rays = _whole("rays", rays, least, MAX_RAYS_PER_BATCH)
     most = _whole("max_segments", max_segments, 1, _MOST_SEGMENTS)
     per_batch = None if picked else n_rays
     as_run = _as_run(loaded, rays_per_batch=per_batch, seed=seed, generation_cap=generation_cap)
@@ -125,7 +126,8 @@ def paths(
         else:
             follower = Follower(opened, compiled.tables, most)
             raw = _picked(follower, compiled, launched, wanted, n_rays)
-    return _finish(compiled, raw, float(length))
+    found = _finish(compiled, raw, float(length))
+    return dataclasses.replace(found, ledger={}) if picked else found
 
 
 def _picked(

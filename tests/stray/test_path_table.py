@@ -14,7 +14,7 @@ from oracles.engine import PLAN, compiled, open_device
 from oracles.scenes import everything, glass, mirror
 
 import photizon_cl as pz
-from hostcode.run import keyed
+from hostcode.run import keyed, trails
 from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result import keyed_sums
@@ -293,12 +293,73 @@ def test_going_on_opening_and_sharing_give_the_same_table(tmp_path):
 
 
 def test_paths_that_find_no_room_are_in_the_rest(monkeypatch):
-    monkeypatch.setattr("photizon_cl.result.statistics.LEAST_ADMITTED", 4)
-    scene = pile(3, paths=3)
+    monkeypatch.setattr(keyed_sums, "LEAST_ADMITTED", 4)
+    scene = pile(3, paths=1)
     table = pz.trace(scene, batches=2).detectors["sensor"].paths
+    assert not table.complete
     whole = plates(3).detectors["sensor"].paths
-    assert [row.sequence for row in table] == [row.sequence for row in whole[:3]]
+    assert whole.complete
+    assert [row.sequence for row in table] == [row.sequence for row in whole[:1]]
     assert table.exact + table.rest.exact == whole.exact
+
+
+def test_a_bright_detector_takes_no_place_from_a_dark_one(monkeypatch):
+    monkeypatch.setattr(keyed_sums, "LEAST_ADMITTED", 8)
+    scene = pile(2, paths=1)
+    scene["element"].append({
+        "name": "dark", "kind": "rectangle", "position": [0, 0, -2], "axis": "+z",
+        "half_width": 1.0, "half_height": 1.0, **BLACK, "detector": {"paths": 1},
+    })  # fmt: skip
+    result = pz.trace(scene, batches=2)
+    for name in ("sensor", "dark"):
+        table = result.detectors[name].paths
+        assert len(table) == 1
+        assert table[0].sequence.endswith(f"> {name}")
+
+
+def test_words_that_were_missed_are_followed_when_the_run_is_resumed(tmp_path, monkeypatch):
+    scene = pile(2)
+    whole = pz.trace(scene, batches=2)
+    with monkeypatch.context() as broken:
+        broken.setattr("photizon_cl.run.trails.follow_trails", lambda *_: [None] * len(_[2]))
+        silent = pz.trace(scene, batches=2)
+    table = silent.detectors["sensor"].paths
+    assert all(not row.known and row.ghost_order is None for row in table)
+    assert len(table.filter(ghost_order=0)) == len(table.filter(avoiding="in 0")) == 0
+    assert [g.label for g in table.grouped()] == ["(its example ray was not followed)"]
+    assert json.loads(json.dumps(silent.summary()))["detectors"]["sensor"]["paths"]["rows"]
+    silent.save(tmp_path / "run", figures=False)
+    again = pz.resume(tmp_path / "run")
+    assert list(again.detectors["sensor"].paths) == list(whole.detectors["sensor"].paths)
+    further = again.refine(batches=3)
+    assert all(row.known for row in further.detectors["sensor"].paths)
+
+
+def test_following_ends_in_time_and_keeps_what_it_has(monkeypatch):
+    told = iter([False, True, True, True])
+    scene = pz.load("box-room").to_dict()
+    scene["run"] |= {"rays_per_batch": 512, "generation_cap": 4}
+    monkeypatch.setattr("hostcode.run.trails._AT_ONCE", 4)
+    real = trails.follow_trails
+
+    def hasty(device, tables, keys, rays, interactions, over):
+        return real(device, tables, keys, rays, interactions, lambda: next(told))
+
+    monkeypatch.setattr("photizon_cl.run.trails.follow_trails", hasty)
+    result = pz.trace(with_tables(scene, 40), batches=2)
+    table = next(d.paths for d in result.detectors.values() if d.power.value)
+    known = sum(row.known for row in table)
+    assert 0 < known < len(table)
+
+
+def test_with_many_batches_in_flight_a_large_table_takes_fewer_of_them(monkeypatch):
+    scene = pz.load(with_tables(pile(3, rays=256)))
+    plan = PLAN.with_(wave_rays=1 << 12)
+    expected = keyed_digest(scene, plan, 20)
+    monkeypatch.setattr(keyed, "FIRST_CAPACITY", 2)
+    monkeypatch.setattr(keyed.KeyedTable.size, "__defaults__", (2,))
+    monkeypatch.setattr(keyed, "_MOST_BYTES", 1 << 15)
+    assert keyed_digest(scene, plan, 20) == expected
 
 
 def test_sums_by_key_admit_the_strongest_first_and_keep_what_they_have():
@@ -310,16 +371,16 @@ def test_sums_by_key_admit_the_strongest_first_and_keep_what_they_have():
             np.array(keys), np.zeros(n, np.int64), np.arange(n, dtype=np.int64), rows
         )
 
-    sums = keyed_sums.KeyedSums(2)
+    sums = keyed_sums.KeyedSums({0: 2})
     sums.add(batch(k1=5, k2=7, k3=6), 1)
     sums.add(batch(k1=9, k2=1), 2)
     assert sums.keys.tolist() == [2, 3]
     assert [sums.exact(0), sums.exact(1)] == [8 << 64, 6 << 64]
-    assert sums.full
+    assert sums.full(0)
     mean = np.array([4.0, 3.0]) * 2.0**-31
     np.testing.assert_array_equal(sums.mean, mean)
     np.testing.assert_array_equal(sums.m2, np.array([18.0, 18.0]) * 2.0**-62)
-    again = keyed_sums.KeyedSums.restore(2, sums.state(), 2)
+    again = keyed_sums.KeyedSums.restore({0: 2}, sums.state(), 2)
     again.add(batch(k3=4), 3)
     sums.add(batch(k3=4), 3)
     assert (again.m2 == sums.m2).all()

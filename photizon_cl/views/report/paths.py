@@ -27,7 +27,7 @@ def paths_table(name: str, element: str, detector: DetectorResult, emitted: floa
             *pair(row.power, row.sigma),
             percent(row.power / emitted, 3),
             integer(row.count),
-            integer(row.ghost_order),
+            "–" if row.ghost_order is None else integer(row.ghost_order),
             integer(row.example_ray),
         )
         for row in table[:_MOST]
