@@ -32,8 +32,10 @@ SHOWN: Final = (1.0, 10.0, 60.0)
 TOP: Final = 10
 WORST: Final = 0.03
 LOWEST: Final = 1e-9
+KNOWN: Final = 0.25
+"""Relative σ of a trace without importance sampling up to which it is compared."""
 FARTHEST: Final = 3.5
-"""|z| of 18 comparisons: one in 120 sets of healthy ones exceeds it."""
+"""|z| of 7 comparisons: one in 300 sets of healthy ones exceeds it."""
 
 
 def found_in(folder: Path) -> dict[str, Any]:
@@ -44,6 +46,8 @@ def found_in(folder: Path) -> dict[str, Any]:
         if not point.done:
             raise SystemExit(f"point {point.number} is not done: `photizon resume {folder}`")
         angle, one = point.values["angle"], point.measures["PST"]
+        result = sweep.open(point.number)
+        checks = result.quantity("detectors.detector.power").checks
         points.append(
             {
                 "theta_deg": angle,
@@ -52,11 +56,12 @@ def found_in(folder: Path) -> dict[str, Any]:
                 "batches": point.batches,
                 "rays": point.rays,
                 "seconds": point.seconds,
+                "believable": checks is not None and checks.believable,
                 "digest": point.digest,
             }
         )
         if angle in SHOWN:
-            paths[f"{angle:g}"] = strongest(sweep.open(point.number))
+            paths[f"{angle:g}"] = strongest(result)
     return {"points": points, "paths": paths}
 
 
@@ -85,7 +90,7 @@ def curve(found: dict[str, Any]) -> list[str]:
         [
             f"{p['theta_deg']:g}",
             f"{p['pst']:.3e}",
-            f"{100.0 * p['sigma'] / p['pst']:.1f}",
+            f"{100.0 * p['sigma'] / p['pst']:.1f}" + ("" if p["believable"] else " *"),
             f"{p['rays']}",
             f"{p['seconds']:.1f}",
         ]
@@ -114,6 +119,8 @@ def beside(found: dict[str, Any]) -> dict[str, float]:
     for way in ("reverse", "forward"):
         for row in other[way]:
             p = own[row["theta_deg"]]
+            if row["sigma"] > KNOWN * row["pst"]:
+                continue  # few arrivals of very different weights: its σ says little
             z = (p["pst"] - row["pst"]) / math.hypot(p["sigma"], row["sigma"])
             worst[way] = max(worst.get(way, 0.0), abs(z))
     return worst
@@ -178,6 +185,9 @@ and source is in its file (`photizon presets baffled-telescope`), from 0.5° to 
 {curve}
 ```
 
+\\* the statistical checks of the run find that few of very many arrivals make this σ: more that is
+rare and bright may be missing, and the value may be low.
+
 In a checkout
 
 ```text
@@ -186,8 +196,8 @@ $ python -m benchmarks.pst --sweep pst
 ```
 
 makes all of it again, to the bit: the second command compares the digest of every angle with the
-stored one. It also compares with reverse and forward traces without importance sampling
-(`benchmarks/results/telescope.txt`): {agree}.
+stored one. It also compares with those reverse and forward traces without importance sampling
+(`benchmarks/results/telescope.txt`) that are known to 25 %: {agree}.
 
 ## Which way the light comes
 
@@ -239,7 +249,10 @@ def main(arguments: list[str] | None = None) -> int:
     holds = worst <= WORST and lowest <= LOWEST
     apart = beside(found)
     said = ", ".join(f"{way} {z:.2f}" for way, z in apart.items())
-    report.say(f"largest |z| beside traces without importance sampling: {said or 'none are kept'}")
+    report.say(
+        f"largest |z| beside traces without importance sampling that are known to "
+        f"{100.0 * KNOWN:.0f} %: {said or 'none are kept'}"
+    )
     holds &= max(apart.values(), default=0.0) <= FARTHEST
     if asked.write:
         report.write(RESULTS, "pst", found)
