@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from benchmarks.pst import HERE, LOWEST, PAGE, RESULTS, SHOWN, TOP, WORST, page
 from photizon_cl.scene.files import load
@@ -37,7 +38,6 @@ def test_the_scene_is_the_preset_with_clear_disks_to_aim_at():
     assert {e.name for e in own.element} - {e.name for e in elements} == AIMED
     assert not any(own.element[name].surface.counts for name in AIMED)
     for mine, its in zip(elements, preset.element, strict=True):
-        for key, value in its.to_dict().items():
-            assert key == "detector" or mine.to_dict()[key] == value
+        assert replace(mine, detector=None) == replace(its, detector=None)
     assert own.source == preset.source
     assert len(read_sweep(DATA / "pst.toml")) == 15
