@@ -195,6 +195,8 @@ ALLOWED = {
         "0x1p-24",
     },  # unit roundoffs: bounds are multiples of one and a size
     "effects/acceleration.mako": {"0x1p-42"},  # relative: times coordinates
+    "effects/importance.mako": {"0x1.45f306dc9c883p-3"},  # 1/(2 pi) per steradian
+    "lib/directions.mako": {"0x1.45f306dc9c883p-2"},  # 1/pi per steradian
 }
 COEFFICIENTS = {
     "lib/elementary.mako",

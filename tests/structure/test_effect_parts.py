@@ -25,6 +25,16 @@ def spec(*parts: EffectParts) -> ProgramSpec:
     return replace(made, parts=made.parts + parts)
 
 
+def program_with(place: str, parts: EffectParts) -> ProgramSpec:
+    """Return the program in which a place stands: that of a wave, or that counts its records."""
+    if place != "arrival":
+        return spec(parts)
+    black = {**wall((0, 0, 0), "+z"), **BLACK, "detector": {}}
+    made = compiled(scene_of([beam((0, 0, 1), "-z", 0.1)], [black])).tables.spec
+    made = made.for_device(PLAN.lanes, ("wave",))
+    return replace(made, parts=(*made.parts, parts)).for_tally()
+
+
 @pytest.mark.parametrize(
     ("brought", "told"),
     [
@@ -87,7 +97,7 @@ def test_the_places_are_those_of_the_templates() -> None:
 def test_a_statement_that_is_refused_is_told_with_its_effect(place: str) -> None:
     parts = EffectParts(effect="far-mine", hooks=((place, "no_such_thing(p);"),))
     with pytest.raises(KernelBuildError) as caught:
-        build(open_device(), spec(parts))
+        build(open_device(), program_with(place, parts))
     error = caught.value
     assert (error.template, error.line) == (f"hook {place} of far-mine", 1)
     assert "no_such_thing" in error.message
@@ -95,10 +105,10 @@ def test_a_statement_that_is_refused_is_told_with_its_effect(place: str) -> None
 
 
 def test_what_stands_behind_a_statement_has_its_own_lines() -> None:
-    plain = program_source(spec()).splitlines()
     for place in HOOKS:
+        plain = program_source(program_with(place, EffectParts())).splitlines()
         parts = EffectParts(effect="mine", hooks=((place, "(void)p;"), (place, "(void)h;")))
-        more = program_source(spec(parts)).splitlines()
+        more = program_source(program_with(place, parts)).splitlines()
         added = [
             line for line in more if "of mine" in line or line in ("    (void)p;", "    (void)h;")
         ]
