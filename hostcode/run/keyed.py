@@ -71,12 +71,6 @@ class KeyedRows:
         if (self.keys[1:] <= self.keys[:-1]).any() or (self.keys == 0).any():
             raise ValueError("keys do not ascend")
 
-    @classmethod
-    def none(cls) -> KeyedRows:
-        """Return no cells."""
-        empty = np.empty(0, np.int64)
-        return cls(empty, empty, empty, np.empty((0, CELL), np.int64))
-
     def __len__(self) -> int:
         return len(self.keys)
 

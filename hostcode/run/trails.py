@@ -26,7 +26,6 @@ __all__ = ["MOST_INTERACTIONS", "follow_trails"]
 
 MOST_INTERACTIONS: Final = 1 << 22
 """Steps for which the children of one launched ray are followed."""
-_RAY: Final = 5
 _BYTES_AT_ONCE: Final = 64 << 20
 _AT_ONCE: Final = 4096
 _FIRST: Final = 4

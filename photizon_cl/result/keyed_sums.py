@@ -122,6 +122,7 @@ class KeyedSums:
         self.mean = self.m2 = np.empty(0)
         self._order = np.empty(0, np.intp)
         self._rows: list[NDArray[np.float64]] = []
+        self._widest = 0  # numbers of the longest of them
         self._table: NDArray[np.float64] | None = None
 
     def __len__(self) -> int:
@@ -134,12 +135,6 @@ class KeyedSums:
     def full(self, detector: int) -> bool:
         """Say whether a detector admits no new key."""
         return len(self.rows_of(detector)) >= self.most.get(detector, 0)
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes that are held."""
-        arrays = (self.keys, self.about, self.first, self.limbs, self.count, self.mean, self.m2)
-        return sum(a.nbytes for a in arrays) + sum(row.nbytes for row in self._rows)
 
     def add(self, batch: KeyedRows, batches: int) -> None:
         """Add the `batches`-th batch.
@@ -170,10 +165,11 @@ class KeyedSums:
         welford(self.mean, self.m2, x, batches)
         self._rows.append(x[: self._width(len(self._rows) + 1)].copy())
         self._table = None
-        widest = max(map(len, self._rows[:1]), default=0)
-        if widest > 2 * self._width(len(self._rows)):  # as they were half as many batches ago
-            most = self._width(len(self._rows))
+        self._widest = max(self._widest, len(self._rows[-1]))
+        most = self._width(len(self._rows))
+        if self._widest > 2 * most:  # they are cut when batches are twice as many, not at each
             self._rows = [row if len(row) <= most else row[:most].copy() for row in self._rows]
+            self._widest = most
 
     @staticmethod
     def _width(batches: int) -> int:
@@ -219,10 +215,6 @@ class KeyedSums:
             total = (total << 32) + int(limb)
         return total
 
-    def totals(self) -> NDArray[np.float64]:
-        """Return the totals of all keys over all batches, in launched weights."""
-        return totals_of(self.limbs)
-
     def table(self) -> NDArray[np.float64]:
         """Return what batches gave of the first keys, shape (batches, f), in launched weights."""
         if self._table is None:
@@ -240,7 +232,7 @@ class KeyedSums:
         made = KeyedSums(self.most)
         for name in ("keys", "about", "first", "limbs", "count", "mean", "m2", "_order"):
             setattr(made, name, getattr(self, name).copy())
-        made._rows = list(self._rows)
+        made._rows, made._widest = list(self._rows), self._widest
         return made
 
     def state(self) -> KeyedState:
@@ -289,7 +281,7 @@ class KeyedSums:
         made.limbs, made.count = np.array(state.limbs, np.int64), np.array(state.count, np.int64)
         made.mean, made.m2 = np.array(state.mean, np.float64), np.array(state.m2, np.float64)
         made._order = np.argsort(made.keys)
-        made._rows = list(np.array(state.values, np.float64))
+        made._rows, made._widest = list(np.array(state.values, np.float64)), width
         which = made.about >> 32
         if any(np.count_nonzero(which == d) > most.get(int(d), 0) for d in np.unique(which)):
             raise ValueError("it has more paths to a detector than a result keeps")

@@ -317,6 +317,31 @@ def test_a_bright_detector_takes_no_place_from_a_dark_one(monkeypatch):
         assert table[0].sequence.endswith(f"> {name}")
 
 
+def test_each_detector_has_its_own_share_of_what_is_admitted():
+    keys = np.array([1, 2, 3, 4, 9])
+    about = np.array([0, 0, 0, 0, 1], np.int64) << 32
+    rows = np.array([[p, 0, 0, 1] for p in (50, 80, 70, 60, 1)], np.int64)
+    sums = keyed_sums.KeyedSums({0: 2, 1: 2})
+    sums.add(keyed.KeyedRows(keys, about, np.zeros(5, np.int64), rows), 1)
+    assert sums.keys.tolist() == [2, 3, 9]
+    assert (sums.full(0), sums.full(1)) == (True, False)
+
+
+def test_going_on_keeps_the_words_of_rows_that_stay_and_follows_new_ones():
+    scene = pz.load("box-room").to_dict()
+    scene["run"] |= {"rays_per_batch": 512, "generation_cap": 4}
+    scene = with_tables(scene, 40)
+    first = pz.trace(scene, batches=1)
+    further, whole = first.refine(batches=4), pz.trace(scene, batches=4)
+    new = 0
+    for name, detector in whole.detectors.items():
+        own, before = further.detectors[name].paths, first.detectors[name].paths
+        assert list(own) == list(detector.paths)
+        assert all(row.known for row in own)
+        new += len({row.sequence for row in own} - {row.sequence for row in before})
+    assert new
+
+
 def test_words_that_were_missed_are_followed_when_the_run_is_resumed(tmp_path, monkeypatch):
     scene = pile(2)
     whole = pz.trace(scene, batches=2)
@@ -471,6 +496,28 @@ def test_the_example_ray_shows_the_path():
         ]
         assert (*(step.element for step in row.steps), name) in met
         assert set(followed.ray.tolist()) == {row.example_ray}
+
+
+def test_only_what_leads_to_an_arrival_by_way_of_a_face_is_kept():
+    scene = pile(2)
+    numbers = range(4)
+    every = pz.paths(scene, ray_numbers=numbers)
+    names = [element.name for element in every.scene.element]
+    wanted = set()
+    for n in np.flatnonzero((every.element == names.index("sensor")) & (every.ending == 1)):
+        chain, at = [], int(n)
+        while at >= 0:
+            chain.append(at)
+            at = int(every.parent[at])
+        if any(every.element[k] == names.index("out 0") for k in chain):
+            wanted.update(chain)
+    found = pz.paths(scene, ray_numbers=numbers, ending_on="sensor", via="out 0")
+    assert 0 < len(found) == len(wanted) < len(every)
+    kept = sorted(wanted)
+    assert (found.start == every.start[kept]).all()
+    assert (found.end == every.end[kept]).all()
+    assert (found.ray == every.ray[kept]).all()
+    assert found.ledger == {}
 
 
 def test_a_detector_that_light_passes_has_the_paths_to_it():
