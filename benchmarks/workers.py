@@ -1,7 +1,7 @@
 """What a second worker is worth: ``python -m benchmarks.workers``.
 
 Traces a scene with one worker and with two, each of one thread, as processes of this machine and on
-Dask clusters on loopback, and in this process with one thread a core for comparison: turn and turn
+Dask clusters on loopback without dashboard, and in this process with one thread a core for comparison: turn and turn
 about, each round in another order. Workers have started and built the program before; a time is
 that of a whole `pz.trace`. Prints batches a second, and within each round the ratio of two to one.
 All must have the same digest. Without `distributed` the Dask rows are left out, which is said.
@@ -36,13 +36,23 @@ WANTED: Final = 1.7
 SCENE: Final = "integrating-sphere"
 HERE: Final = "this process"
 RAYS: Final = 1 << 16
+HOUSEKEEPING: Final = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1 s",
+    "distributed.admin.system-monitor.interval": "10 s",
+}
+"""What a cluster's processes do beside their tasks, ten to a hundred times a second each unless told
+otherwise: an eighth of a processor where scheduler and two workers share two, docs/many-machines.md.
+"""
 
 
 def _dask(stack: ExitStack, workers: int) -> Executor:
+    from dask.config import set as configured
     from distributed import Client, LocalCluster
 
+    stack.enter_context(configured(HOUSEKEEPING))
     cluster = LocalCluster(
-        n_workers=workers, threads_per_worker=1, dashboard_address=":0", host="127.0.0.1"
+        n_workers=workers, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
     )
     stack.enter_context(cluster)
     client = stack.enter_context(Client(cluster.scheduler_address, set_as_default=False))
@@ -84,7 +94,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.workers", description=__doc__)
     parser.add_argument("--scene", default=SCENE, help=f"preset or file; default {SCENE}")
-    parser.add_argument("--batches", type=int, default=400, help="of 2^16 rays; default 400")
+    parser.add_argument("--batches", type=int, default=800, help="of 2^16 rays; default 800")
     parser.add_argument("--rounds", type=int, default=5, help="default 5")
     parser.add_argument("--out", type=Path, help="directory for the printed text and the numbers")
     asked = parser.parse_args(arguments)
