@@ -1,9 +1,10 @@
 """What a second worker is worth: ``python -m benchmarks.workers``.
 
 Traces a scene with one worker and with two, each of one thread, as processes of this machine and on
-Dask clusters on loopback without dashboard, and in this process with one thread a core for comparison: turn and turn
-about, each round in another order. Workers have started and built the program before; a time is
-that of a whole `pz.trace`. Prints batches a second, and within each round the ratio of two to one.
+Dask clusters on loopback without a dashboard, and in this process with one thread a core for
+comparison: turn and turn about, each round in another order. Workers have started and built the
+program before; a time is that of a whole `pz.trace`. Prints batches a second, and within each round
+the ratio of two to one.
 All must have the same digest. Without `distributed` the Dask rows are left out, which is said.
 
 Time is the thing measured: run it where nothing else runs. Exit status 1 where two workers are
@@ -41,8 +42,8 @@ HOUSEKEEPING: Final = {
     "distributed.admin.tick.interval": "1 s",
     "distributed.admin.system-monitor.interval": "10 s",
 }
-"""What a cluster's processes do beside their tasks, ten to a hundred times a second each unless told
-otherwise: an eighth of a processor where scheduler and two workers share two, docs/many-machines.md.
+"""What Dask's processes do beside their tasks takes an eighth of a processor where a scheduler and two
+workers share two, unless they are told to do it less often; docs/many-machines.md says how.
 """
 
 
