@@ -42,8 +42,8 @@ HOUSEKEEPING: Final = {
     "distributed.admin.tick.interval": "1 s",
     "distributed.admin.system-monitor.interval": "10 s",
 }
-"""What Dask's processes do beside their tasks takes an eighth of a processor where a scheduler and two
-workers share two, unless they are told to do it less often; docs/many-machines.md says how.
+"""What Dask's processes do beside their tasks takes an eighth of a processor where a scheduler and
+two workers share two, unless told to do it less often; docs/many-machines.md says how.
 """
 
 
