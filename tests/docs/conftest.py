@@ -16,7 +16,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 sys.path.insert(0, str(ROOT / "docs" / "_ext"))
 sys.path.insert(0, str(Path(__file__).parent))
 
-from narrow import four_lanes as four_lanes
+from narrow import four_lanes as four_lanes  # noqa: E402
 
 # The user's width must not enter what commands print.
 os.environ["COLUMNS"] = "80"
@@ -43,7 +43,7 @@ def _building(tmp_path_factory):
         running = subprocess.Popen(
             [
                 sys.executable,
-                "-m",
+                ROOT / "tests" / "narrow.py",  # the tests' own programs
                 "sphinx",
                 "-W",
                 "--keep-going",
