@@ -71,7 +71,7 @@ def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple, whi
 
 @pytest.mark.parametrize(
     ("lanes", "simple"),
-    # through a tree at 8 and 16 lanes, whatever is cached: tests/exact/test_digest_matrix.py
+    # through a tree at 8 lanes, whatever is cached: tests/exact/test_digest_matrix.py
     [pytest.param(16, True, marks=pytest.mark.slow)]
     + [pytest.param(lanes, False, marks=pytest.mark.slow) for lanes in (1, 2, 4, 8, 16)]
     + [pytest.param(lanes, True, marks=pytest.mark.slow) for lanes in (1, 2, 4)],

@@ -42,6 +42,7 @@ def test_two_slabs_in_contact(pose: str, angle: float) -> None:
         contacts.is_film(contacts.slabs([1.5, 1.8], angle, *POSES[pose], order=order), want, 12)
 
 
+@pytest.mark.slow  # one more is another program
 @pytest.mark.parametrize("angle", [0.0, 60.0])
 def test_three_slabs_in_contact(angle: float) -> None:
     want = films.stack([1.0, 1.5, 1.0, 1.8, 1.0, 1.3, 1.0], angle, 10)
@@ -78,7 +79,7 @@ def test_a_film_where_the_incident_beam_is_turned_at_random() -> None:
 
 
 @pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
-@pytest.mark.parametrize("tilt", [(0.0, 0.0), (33.3, -71.7)])
+@pytest.mark.parametrize("tilt", [pytest.param((0.0, 0.0), marks=pytest.mark.slow), (33.3, -71.7)])
 def test_a_black_plate_under_glass(order, tilt) -> None:
     """All of the light from its own side; from inside the glass what a film lets through."""
     upright, turned = list(tilt), [tilt[0] + 180.0, tilt[1]]
@@ -161,9 +162,7 @@ def test_a_clear_ball_around_glass_counts_what_goes_in_and_out(order) -> None:
 
 
 # along the axes is another program; with a tilt rounding comes in
-@pytest.mark.parametrize(
-    "tilt", [pytest.param((0.0, 0.0), marks=pytest.mark.slow), (33.3, -71.7)]
-)
+@pytest.mark.parametrize("tilt", [pytest.param((0.0, 0.0), marks=pytest.mark.slow), (33.3, -71.7)])
 def test_half_balls_on_their_flats(tilt) -> None:
     """The same as with a gap of 10⁻⁹ of their size, in both orders."""
     frame = np.array(tracer.frame({"axis": "+z", "tilt_deg": tilt}))
@@ -210,9 +209,7 @@ def test_balls_that_touch() -> None:
 # -- what is near and not in one place -----------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "tilt", [(0.0, 0.0), pytest.param((0.0, 33.3), marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), pytest.param((0.0, 33.3), marks=pytest.mark.slow)])
 def test_a_wall_on_a_floor_is_no_face_in_its_place(tilt) -> None:
     contacts.walls_stand_on_floors(tilt)
 

@@ -215,7 +215,8 @@ def test_every_other_device_at_every_width(name: str, lanes: int) -> None:
         pytest.param("everything", "classical", marks=pytest.mark.slow),
     ],
 )
-def test_rays_in_turn_through_a_tree(name: str, composition: str) -> None:
+@pytest.mark.parametrize("widest", [8, pytest.param(16, marks=pytest.mark.slow)])
+def test_rays_in_turn_through_a_tree(name: str, composition: str, widest: int) -> None:
     """Splitting, roulette, records, small segments: rays change places wherever they can."""
     tables = everything() if name == "everything" else name
     made = compiled(
@@ -223,7 +224,8 @@ def test_rays_in_turn_through_a_tree(name: str, composition: str) -> None:
         frozenset({"acceleration"}),
         rays_per_batch=RAYS,
     )
-    for choices in ({"lanes": 8, "refill": 2}, {"lanes": 16, "max_bounces": 3, "stack_rays": 1}):
+    crowded = {"lanes": widest, "max_bounces": 3, "stack_rays": 1}
+    for choices in ({"lanes": 8, "refill": 2}, crowded):
         plan = BASE.with_(composition=composition, cached_bytes=1, items=7, **choices)
         run = trace_compiled(made, 3, plan=plan)
         assert [c.tobytes() for c in run.batches] == [c.tobytes() for c in base(name).batches[:3]]
@@ -268,9 +270,7 @@ def test_batches_far_down_the_stream() -> None:
 
 
 # each a program: 8 is the last in registers
-@pytest.mark.parametrize(
-    "n", [8, 9, *(pytest.param(n, marks=pytest.mark.slow) for n in (7, 10))]
-)
+@pytest.mark.parametrize("n", [8, 9, *(pytest.param(n, marks=pytest.mark.slow) for n in (7, 10))])
 def test_registers_and_atomics_keep_the_same_ledger(n: int) -> None:
     """Elements beyond the register limit, never hit, change no row of the others."""
     black = {"kind": "rectangle", "axis": "+z", "half_width": 0.1, "half_height": 0.1}

@@ -33,9 +33,7 @@ def test_every_preset_closes_with_a_low_cap(name: str) -> None:
     [
         pytest.param(
             name,
-            marks=()
-            if name in {"integrating-sphere", "ghost-ladder"}
-            else pytest.mark.slow,
+            marks=() if name in {"integrating-sphere", "ghost-ladder"} else pytest.mark.slow,
         )
         for name in preset_names()
     ],
