@@ -100,7 +100,9 @@ def test_rays_along_the_axes_far_away_tiny_and_huge(device, unit, away):
     # a beam down an axis: two components of every direction are 0, and rays run in sides of boxes;
     # of every kind the hits: test_tree_nodes.py
     scene = tiled_scene(600, seed=4, simple=True)
-    elements = elsewhere(scene.element, unit, away)
+    # without disks, whose every axis is text of its own
+    kept = [element for element in scene.element if not isinstance(element, pz.Disk)]
+    elements = elsewhere(kept, unit, away)
     beam = pz.CollimatedDisk(
         name="s", flux=1.0, position=(away, away, away), axis="+z", radius=0.9 * unit
     )

@@ -241,8 +241,8 @@ def test_walls_that_stand_far_apart_in_the_file() -> None:
     # apart from each other, too: what lies at one place are neighbours by the million
     between = (
         Rectangle(
-            name=f"away {y} {z}", axis="+x",
-            position=(1.7 * size, 0.003 * size * y, 0.003 * size * z), half_width=0.001 * size, half_height=0.001 * size, surface=SILVER,
+            name=f"away {y} {z}", axis="+x", half_width=0.001 * size, half_height=0.001 * size,
+            position=(1.7 * size, 0.003 * size * y, 0.003 * size * z), surface=SILVER,
         )
         for y in range(-100, 100) for z in range(-100, 100)
     )  # fmt: skip
