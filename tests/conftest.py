@@ -78,6 +78,17 @@ def few_figures(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(module, "FIGURES", few)
 
 
+@pytest.fixture(scope="module")
+def one_lane() -> Iterator[None]:
+    """Have runs take one lane where nothing that is said depends on it: that builds fastest.
+
+    That lanes change no bit is shown by tests/exact and tests/structure, at every width.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hostcode.run.usual.preferred_lanes", lambda *_: 1)
+        yield
+
+
 @pytest.fixture(scope="session")
 def run_python() -> Callable[..., str]:
     """Return a function that runs Python code in a process of its own and gives what it prints."""
