@@ -196,11 +196,12 @@ class Follower:
     def _begun(self, buffer: cl.Buffer, into: NDArray[Any]) -> NDArray[Any]:
         """Read the first segments of each ray, as many as an array holds."""
         rays, segments, numbers = into.shape
-        self._cl.enqueue_copy(
-            self._device.queue, into, buffer,
-            buffer_origin=(0, 0), host_origin=(0, 0), region=(8 * segments * numbers, rays),
-            buffer_pitches=(8 * self._most * numbers,), host_pitches=(8 * segments * numbers,),
-        )  # fmt: skip
+        row = 8 * segments * numbers
+        part: dict[str, Any] = {
+            "buffer_origin": (0, 0), "host_origin": (0, 0), "region": (row, rays),
+            "buffer_pitches": (8 * self._most * numbers,), "host_pitches": (row,),
+        }  # fmt: skip
+        self._cl.enqueue_copy(self._device.queue, into, buffer, **part)
         return into
 
     def cells(self) -> NDArray[np.int64] | SparseTally:
