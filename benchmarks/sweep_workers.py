@@ -61,7 +61,7 @@ def ways(
         from distributed import LocalCluster
 
         cluster = LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+            n_workers=2, threads_per_worker=1, dashboard_address=":0", host="127.0.0.1"
         )
         stack.enter_context(cluster)
         yield "Dask, two workers", [*here, "--scheduler", cluster.scheduler_address], usual

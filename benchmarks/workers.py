@@ -1,7 +1,7 @@
 """What a second worker is worth: ``python -m benchmarks.workers``.
 
 Traces a scene with one worker and with two, each of one thread, as processes of this machine and on
-Dask clusters on loopback without a dashboard, and in this process with one thread a core for
+Dask clusters on loopback, and in this process with one thread a core for
 comparison: turn and turn about, each round in another order. Workers have started and built the
 program before; a time is that of a whole `pz.trace`. Prints batches a second, and within each round
 the ratio of two to one.
@@ -53,7 +53,7 @@ def _dask(stack: ExitStack, workers: int) -> Executor:
 
     stack.enter_context(configured(HOUSEKEEPING))
     cluster = LocalCluster(
-        n_workers=workers, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+        n_workers=workers, threads_per_worker=1, dashboard_address=":0", host="127.0.0.1"
     )
     stack.enter_context(cluster)
     client = stack.enter_context(Client(cluster.scheduler_address, set_as_default=False))
