@@ -118,13 +118,14 @@ def _plain(table: PathTable, arguments: argparse.Namespace) -> dict[str, object]
                     "sigma": group.sigma,
                     "count": group.count,
                     "paths": len(group.rows),
+                    "sigma_is_upper_bound": group.at_most,
                 }
                 for group in table.grouped(arguments.by)[: arguments.top]
             ]
         }
     return {
         "rows": [row.summary() for row in table[: arguments.top]],
-        "rest": table.rest.summary(),
+        "rest": {**table.rest.summary(), "sigma_is_upper_bound": table.rest.at_most},
     }
 
 
@@ -142,15 +143,21 @@ def _print(table: PathTable, arguments: argparse.Namespace, emitted: float, out:
             (what, "left"), ("power, W", "right"), ("± σ", "right"), ("paths", "right")
         )
         pairs = table.ghosts().pairs() if arguments.pairs else ()
-        lines = [(str(pair), pair.power, pair.sigma, "") for pair in pairs]
+        lines = [(str(pair), pair.power, pair.sigma, "", False) for pair in pairs]
         if arguments.by:
             groups = table.grouped(arguments.by)
-            lines = [(g.label, g.power, g.sigma, str(len(g.rows))) for g in groups]
-        for label, value, sigma, paths in lines[: arguments.top]:
-            grid.add_row(label, *with_error(value, sigma), paths)
-        print_table(grid, out)
+            lines = [(g.label, g.power, g.sigma, str(len(g.rows)), g.at_most) for g in groups]
+        for label, value, sigma, paths, at_most in lines[: arguments.top]:
+            power, error = with_error(value, sigma)
+            grid.add_row(label, power, "≤ " * at_most + error, paths)
+        if lines:
+            print_table(grid, out)
+        else:
+            out.print("none")
         if len(lines) > arguments.top:
             out.print(paragraph(f"{len(lines) - arguments.top} more: --top shows them", ""))
+        if arguments.by:
+            _print_rest(table, picked, out)
         return
     for n, row in enumerate(table[: arguments.top], start=1):
         power, error = with_error(row.power, row.sigma)
@@ -162,11 +169,21 @@ def _print(table: PathTable, arguments: argparse.Namespace, emitted: float, out:
     if not table.complete:
         text = "there were more paths than are kept: one that was met late is in the rest"
         out.print(paragraph(text, ""), soft_wrap=True)
-    left, rest = len(table) - arguments.top, table.rest
+    left = len(table) - arguments.top
     if left > 0:
         out.print(paragraph(f"{left} more rows: --top shows them", ""), soft_wrap=True)
-    if rest.count:
-        power, error = with_error(rest.power, rest.sigma)
-        what = "all other light" if picked else f"all other paths ({rest.paths})"
-        more = f" ± {error}" if rest.sigma is not None else ""
-        out.print(paragraph(f"{what}: {power} W{more}", ""), soft_wrap=True)
+    _print_rest(table, picked, out)
+
+
+def _print_rest(table: PathTable, picked: bool, out: Console) -> None:
+    """Say what comes by paths that are not among those that were printed or counted together."""
+    from photizon_cl.cli.tables import paragraph
+    from photizon_cl.result.text import with_error
+
+    rest = table.rest
+    if not rest.count:
+        return
+    power, error = with_error(rest.power, rest.sigma)
+    what = "all other light" if picked else f"all other paths ({rest.paths})"
+    more = f" ± {'at most ' * rest.at_most}{error}" if rest.sigma is not None else ""
+    out.print(paragraph(f"{what}: {power} W{more}", ""), soft_wrap=True)

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from photizon_cl.errors import show
 from photizon_cl.result.pilot import NEGLIGIBLE, UNTOLD
+from photizon_cl.result.statistics import LIT_COUNT
 from photizon_cl.result.stopping import LEAST_BATCHES
 from photizon_cl.result.text import lit_percent
 from photizon_cl.scene.elements.base import OTHER_SIDE
@@ -25,6 +28,9 @@ _FAR: Final = 2.0
 """Times the target that a detector's relative σ may be where another quantity met it."""
 _WORST: Final = 3
 """Detectors that are named of many of which the same is to be said."""
+_EQUAL: Final = 4.0
+"""Times as many arrivals as equal ones would have this σ, from which on few of them make a bin."""
+_FEW_BINS: Final = 0.01  # part of the lit bins of which that is chance
 _MANY: Final = 10**7  # batches that are written with a power of ten
 
 
@@ -39,6 +45,7 @@ def run_advisories(result: Estimates) -> list[str]:
         *_dark_detectors(result),
         *_capped(result),
         *_unlit(result),
+        *_heavy(result),
     ]
 
 
@@ -198,3 +205,33 @@ def _unlit(result: Estimates) -> Iterator[str]:
             "ray reaches carry at least 10, and σ is the median over those alone; run longer or "
             "take coarser bins"
         )
+
+
+def _heavy(result: Estimates) -> Iterator[str]:
+    """Find maps and far fields with bins that a few heavy rays make: σ is then not known either.
+
+    n arrivals of one weight have a relative σ of 1/sqrt(n). Where it is twice that and more, and n
+    would have to be below what a bin is hatched for, most of what came there does not count. From 8
+    batches of equal arrivals chance gives that in one bin of 5000 (χ² of 7 degrees of freedom).
+    """
+    if result.batches < LEAST_BATCHES:  # which is told
+        return
+    fields = [
+        (f"the map of {show(name)}", found.map.irradiance, found.map.sigma, found.map.count)
+        for name, found in result.detectors.items()
+        if found.map is not None
+    ]
+    far = result.far_field
+    if far is not None:
+        fields.append(("the far field", far.intensity, far.sigma, far.count))
+    for what, value, sigma, count in fields:
+        lit = (count >= LIT_COUNT) & np.isfinite(value) & (value > 0.0)
+        square = np.square(sigma[lit] / value[lit])
+        heavy = int(np.sum((square * LIT_COUNT > 1.0) & (square * count[lit] > _EQUAL)))
+        if heavy > _FEW_BINS * square.size:
+            yield (
+                f"in {heavy} of the {square.size} lit bins of {what} a few heavy rays make the "
+                f"value: σ is more than {100.0 / math.sqrt(LIT_COUNT):.0f} % of it although many "
+                "came, and it is not known well itself, so that the value may be far off; run "
+                "longer, or take bins that are larger"
+            )

@@ -312,7 +312,10 @@ class Estimates:
     @property
     def sigma_is(self) -> str:
         """What `achieved_sigma` is, in three words."""
-        return "largest relative σ" if self.scene.run.target_on else "median relative σ"
+        asked = self.scene.run.target_on or ()
+        # of one map or far field it is the median over its bins
+        largest = len(asked) > 1 or any(map(self.is_scalar, asked))
+        return "largest relative σ" if largest else "median relative σ"
 
     @cached_property
     def achieved_sigma(self) -> float | None:

@@ -73,13 +73,15 @@ class PathRest:
     Parameters
     ----------
     power, sigma : float, float or None
-        W; where not every batch's values are kept, σ is an upper bound.
+        W.
     count : int
         Arrivals.
     paths : int
         How many different paths these are, those at least.
     exact : int
         The power as the tally has it, see `PathTable.exact`.
+    at_most : bool
+        Whether σ is an upper bound: the values of not every path are kept batch by batch.
     """
 
     power: float
@@ -87,6 +89,7 @@ class PathRest:
     count: int
     paths: int
     exact: int
+    at_most: bool = False
 
     def summary(self) -> dict[str, Any]:
         """Return it as the summary holds it."""
@@ -102,12 +105,13 @@ class PathGroup:
     label : str
         What they have in common.
     power, sigma : float, float or None
-        W, of all together; σ from their sums in each batch, or, where not all of these are kept, an
-        upper bound.
+        W, of all together; σ from their sums in each batch.
     count : int
         Arrivals.
     rows : tuple of PathRow
         The strongest first.
+    at_most : bool
+        Whether σ is an upper bound: of not all of them the values are kept batch by batch.
     """
 
     label: str
@@ -115,3 +119,4 @@ class PathGroup:
     sigma: float | None
     count: int
     rows: tuple[PathRow, ...]
+    at_most: bool = False

@@ -115,7 +115,8 @@ class PathTable(Sequence[PathRow]):
         count = about.power_count - sum(row.count for row in self.rows)
         sigma = about.rest_sigma(self._columns, self.rows) if count else about.nothing
         paths = max(about.total_paths - len(self.rows), 1 if count else 0)
-        return PathRest(about.watts(left), sigma, count, paths, left)
+        bounded = bool(count) and about.rest_is_bounded(self._columns)
+        return PathRest(about.watts(left), sigma, count, paths, left, bounded)
 
     # -- parts -----------------------------------------------------------------------------------
 
@@ -213,7 +214,14 @@ class PathTable(Sequence[PathRow]):
             found.setdefault(label, []).append(n)
         parts = [(label, self._some(numbers)) for label, numbers in found.items()]
         groups = [
-            PathGroup(label, part.power, part.sigma, sum(r.count for r in part), part.rows)
+            PathGroup(
+                label,
+                part.power,
+                part.sigma,
+                sum(r.count for r in part),
+                part.rows,
+                self._about.is_bounded(part._columns),
+            )
             for label, part in parts
         ]
         return tuple(sorted(groups, key=lambda g: (-g.power, g.label)))
@@ -389,6 +397,17 @@ class _About:
         if len(rows) == 1:
             return rows[0].sigma
         return self._error(*self._split(columns))
+
+    def is_bounded(self, columns: NDArray[np.int64]) -> bool:
+        """Say whether the σ of a sum of paths is an upper bound."""
+        single = self.batches < 2 or len(columns) == 1
+        return not single and bool((columns >= self.table.shape[1]).any())
+
+    def rest_is_bounded(self, columns: NDArray[np.int64]) -> bool:
+        """Say whether the σ of the power without some paths is an upper bound."""
+        if self.batches < 2:
+            return False
+        return self.power_values is None or bool((columns >= self.table.shape[1]).any())
 
     def rest_sigma(self, columns: NDArray[np.int64], rows: tuple[PathRow, ...]) -> float | None:
         """Return the standard error of the power without some paths."""

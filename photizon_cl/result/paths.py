@@ -115,7 +115,7 @@ class Paths:
 
     def __iter__(self) -> Iterator[Polyline]:
         firsts = np.flatnonzero(self.begins)
-        for a, b in zip(firsts, [*firsts[1:], len(self.ray)], strict=True):
+        for a, b in zip(firsts, [*firsts, len(self.ray)][1:], strict=True):
             yield Polyline(
                 ray=int(self.ray[a]),
                 points=np.vstack([self.start[a:b], self.end[b - 1 : b]]),

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["SweepPoint", "SweepTable", "compared", "empty_point", "point_of", "with_change"]
 
 
+_NAMED: Final = 12
+"""Points that an advisory of several names."""
 _NUMBERS: Final = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 
@@ -286,8 +288,11 @@ class SweepTable:
 def _at(text: str, numbers: list[int], done: int) -> str:
     if len(numbers) == done > 1:
         return f"at every point: {text}"
-    more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
-    return f"at point {numbers[0]}{more}: {text}"
+    if len(numbers) == 1:
+        return f"at point {numbers[0]}: {text}"
+    named = ", ".join(map(str, numbers[:_NAMED]))
+    more = f" and {len(numbers) - _NAMED} more" if len(numbers) > _NAMED else ""
+    return f"at points {named}{more}; at the first of them {text}"
 
 
 def compared(

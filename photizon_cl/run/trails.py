@@ -29,20 +29,23 @@ _SECONDS: Final = 60.0
 """For following rays where nothing else limits the run."""
 
 
-def missing(result: Estimates) -> NDArray[np.intp]:
-    """Return which rows of the sums by key a path table shows and no steps are known of."""
+def shown(result: Estimates) -> NDArray[np.intp]:
+    """Return which rows of the sums by key the path tables show."""
     sums = result.tally.keyed
     if sums is None:
         return np.empty(0, np.intp)
-    shown = [
-        strongest(sums, number, d.paths)
-        for number, d in enumerate(result.compiled.layout.detectors)
-        if d.paths
-    ]
-    rows = np.concatenate(shown)
-    trails = result.info.trails
-    known = np.empty(0, np.int64) if trails is None else trails.keys
-    return np.asarray(rows[~np.isin(sums.keys[rows], known)], np.intp)
+    detectors = enumerate(result.compiled.layout.detectors)
+    parts = [strongest(sums, number, d.paths) for number, d in detectors if d.paths]
+    return np.asarray(np.concatenate(parts), np.intp)
+
+
+def missing(result: Estimates) -> NDArray[np.intp]:
+    """Return which rows of the sums by key a path table shows and no steps are known of."""
+    rows = shown(result)
+    sums, trails = result.tally.keyed, result.info.trails
+    if sums is None or trails is None:
+        return rows
+    return np.asarray(rows[~np.isin(sums.keys[rows], trails.keys)], np.intp)
 
 
 def with_trails(
@@ -50,9 +53,9 @@ def with_trails(
 ) -> RunInfo:
     """Return the info of a result with the steps of the paths that its tables show.
 
-    Those that are known already are kept. A path whose example needs too many interactions, and
-    all that are left when the time is over, have none. Where this process has no device, or no
-    memory, the tables are there without words.
+    Those that are known already are kept where they are still shown. A path whose example needs too
+    many interactions, and all that are left when the time is over, have none. Where this process
+    has no device, or no memory, the tables are there without words.
 
     Parameters
     ----------
@@ -97,5 +100,5 @@ def with_trails(
         warnings.warn(text, RunWarning, stacklevel=5)
     trails = Trails.of(keys.tolist(), found)
     if info.trails is not None:
-        trails = info.trails.and_these(trails, sums.keys)
+        trails = info.trails.and_these(trails, sums.keys[shown(result)])
     return dataclasses.replace(info, trails=trails)

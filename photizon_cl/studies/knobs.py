@@ -134,12 +134,12 @@ def _importance(scene: Scene, cap: int) -> Iterator[Option]:
 
 
 KNOBS: Final[tuple[Knob, ...]] = (
+    _importance,  # first where a scene has it: what is asked of it most, should time be short
     _precision,
     _roulette,
     _cap,
     _splitting,
     _batch,
-    _importance,
     _plain,
 )
 """What a study tries, in this order."""

@@ -211,6 +211,16 @@ def test_what_is_said_is_said_of_the_quantities(tmp_path, capsys):
     assert "edian relative σ as the run went on" not in page
 
 
+def test_of_one_map_it_is_the_median_over_its_bins():
+    asked = {"target": 0.9, "target_on": ["detectors.floor.map"]}
+    found = pz.trace("box-room", rays_per_batch=512, batches=9, **asked)
+    assert found.sigma_is == "median relative σ"
+    more = [*asked["target_on"], "detectors.floor.power"]
+    assert pz.trace("box-room", rays_per_batch=512, batches=2, target_on=more).sigma_is == (
+        "largest relative σ"
+    )
+
+
 def test_targets_stand_in_files_and_go_on(room, tmp_path, capsys):
     scene = room.scene.replace({"run.target_on": ["detectors.floor.power"]})
     scene.save(tmp_path / "room.toml")

@@ -16,6 +16,7 @@ from oracles.scenes import everything, glass, mirror
 import photizon_cl as pz
 from hostcode.run import keyed, trails
 from hostcode.run.wavefront import Engine
+from photizon_cl.cli.main import main
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result import keyed_sums
 from photizon_cl.result.statistics import complete
@@ -344,6 +345,19 @@ def test_going_on_keeps_the_words_of_rows_that_stay_and_follows_new_ones():
     assert new
 
 
+def test_a_run_whose_strongest_paths_change_is_resumed_and_read_again(tmp_path):
+    scene = pz.load("box-room").to_dict()
+    scene["run"] |= {"rays_per_batch": 512, "generation_cap": 4}
+    scene = with_tables(scene, 6)
+    pz.trace(scene, batches=1).save(tmp_path / "run", figures=False)
+    for batches in (3, 5):
+        pz.resume(tmp_path / "run", batches=batches)
+        found, whole = pz.open_result(tmp_path / "run"), pz.trace(scene, batches=batches)
+        assert found.tally_digest == whole.tally_digest
+        for name, detector in whole.detectors.items():
+            assert list(found.detectors[name].paths) == list(detector.paths)
+
+
 def test_words_that_were_missed_are_followed_when_the_run_is_resumed(tmp_path, monkeypatch):
     scene = pile(2)
     whole = pz.trace(scene, batches=2)
@@ -435,18 +449,31 @@ def test_sigma_of_groups_and_of_the_rest_follow_from_their_batches():
     assert math.isclose(table.power + table.rest.power, detector.power.value, rel_tol=1e-12)
 
 
-def test_without_values_of_batches_a_sum_has_an_upper_bound(monkeypatch):
+def test_without_values_of_batches_a_sum_has_an_upper_bound(monkeypatch, tmp_path, capsys):
     scene = pz.load("box-room").to_dict()
     scene["run"] |= {"rays_per_batch": 512, "generation_cap": 4}
     exact = pz.trace(with_tables(scene, 30), batches=6)
     name = next(n for n, d in exact.detectors.items() if d.power.value)
-    monkeypatch.setattr(keyed_sums, "FOLLOWED", 3)
-    bounded = pz.trace(with_tables(scene, 30), batches=6).detectors[name].paths
     table = exact.detectors[name].paths
+    assert (table.sigma, table.rest.at_most) == (pytest.approx(table.sigma), False)
+    monkeypatch.setattr(keyed_sums, "FOLLOWED", 3)
+    result = pz.trace(with_tables(scene, 30), batches=6)
+    bounded = result.detectors[name].paths
     assert [row.power for row in bounded] == [row.power for row in table]
     assert bounded.sigma >= table.sigma
     assert bounded.rest.sigma >= table.rest.sigma
     assert bounded.sigma <= sum(row.sigma for row in table)
+    # which is said where it is one
+    assert bounded.rest.at_most
+    groups = bounded.grouped("ghost_order")
+    assert [g.at_most for g in groups] == [len(g.rows) > 1 for g in groups]
+    result.save(tmp_path / "out", figures=False)
+    capsys.readouterr()
+    for more, bound in (([], " ± at most "), (["--by", "events"], "≤ ")):
+        assert main(["paths", str(tmp_path / "out"), *more]) == 0
+        said = capsys.readouterr().out
+        assert bound in said
+        assert f"all other paths ({bounded.rest.paths}): " in said
 
 
 # -- what a person does with it --------------------------------------------------------------------
@@ -520,6 +547,13 @@ def test_only_what_leads_to_an_arrival_by_way_of_a_face_is_kept():
     assert (found.end == every.end[kept]).all()
     assert (found.ray == every.ray[kept]).all()
     assert found.ledger == {}
+    # no ray comes by this one
+    scene["element"].append({
+        "name": "aside", "kind": "disk", "position": [9.0, 0.0, 0.5], "axis": "-z", "radius": 0.4,
+        "surface": {"kind": "absorber"},
+    })  # fmt: skip
+    nothing = pz.paths(scene, ray_numbers=numbers, ending_on="sensor", via="aside")
+    assert (len(nothing), list(nothing)) == (0, [])
 
 
 def test_a_detector_that_light_passes_has_the_paths_to_it():

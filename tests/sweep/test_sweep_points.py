@@ -320,8 +320,8 @@ def test_advisories_are_told_once_with_their_points():
     found = pz.sweep(a_sweep(caps, run=run, measure={}) | {"scene": "integrating-sphere"})
     first, second, *_ = found.advisories
     assert first.startswith("at every point: σ from 3 batches is itself uncertain")
-    assert second.startswith("at point 0 and 1 more: ")
-    assert second.removeprefix("at point 0 and 1 more: ") in found[0].advisories
+    assert second.startswith("at points 0, 1; at the first of them ")
+    assert second.removeprefix("at points 0, 1; at the first of them ") in found[0].advisories
     assert "generation cap of 4" in second
     assert not any("generation cap" in text for text in found[2].advisories)
 

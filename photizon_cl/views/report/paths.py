@@ -36,6 +36,7 @@ def paths_table(name: str, element: str, detector: DetectorResult, emitted: floa
     if rest.count:
         share = percent(rest.power / emitted, 3)
         text = f"all paths that are not in the table ({integer(rest.paths)})"
+        text += "; its σ is an upper bound" * rest.at_most
         power = pair(rest.power, rest.sigma)
         rows.append((text, *power, share, integer(rest.count), number(""), number("")))
     note = "r reflected, t transmitted, i totally reflected, s scattered."
