@@ -41,6 +41,9 @@ typedef struct {
     mask inner;       // a detector counts it as on the - side, wherever it came from
     mask from_minus;  // came from the - side whatever the rounding of d.n says
     mask from_plus;   // came from the + side whatever it says
+% if hooks["travel"]:
+    mask lost;        // ended on its way there
+% endif
 } contact_t;
 
 // A contact at a distance along a ray, before its face is asked.

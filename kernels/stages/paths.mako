@@ -62,6 +62,9 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         packet_t child;
         interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, &child);
         long ending = ESCAPED;
+% if hooks["travel"]:
+        if (contact.lost && !hit.found) ending = ABSORBED;
+% endif
         if (hit.found) {
             real_of[3] = p.ox; real_of[4] = p.oy; real_of[5] = p.oz;
             // what a surface sends on has weight; it may end before it starts

@@ -149,8 +149,8 @@ def _capped_cavities(scene: Scene) -> Iterator[str]:
 
 
 def _surfaces(scene: Scene) -> Iterator[str]:
-    for element in scene.element:
-        for text in element.surface.advice():
+    for element, surface in zip(scene.element, scene.optics, strict=True):
+        for text in surface.advice():
             yield f'element "{element.name}" {text}'
     splitters = [e.name for e in scene.element if e.surface.splits] if scene.splits() else []
     reflectors = [e.name for e in scene.element if e.surface.reflects and not e.surface.transmits]

@@ -77,6 +77,8 @@ class Described:
     """Values for an example, where those that suit each parameter do not suit each other."""
     alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     """Parameters that say the same in another way: one that is given stands for the others."""
+    foreseen: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Keys that the format will have and that are refused so far: what to do without them."""
 
     def __post_init__(self) -> None:
         """Check every value and bring it to canonical form.

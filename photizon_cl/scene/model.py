@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, printable, show
@@ -20,6 +21,8 @@ from photizon_cl.scene.described import (
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.importance import Importance, targets_of
+from photizon_cl.scene.media.medium import Medium
+from photizon_cl.scene.media.names import VACUUM, media_of
 from photizon_cl.scene.parameter_paths import put_values
 from photizon_cl.scene.parameters import declare, free_text, unique_name
 from photizon_cl.scene.reader import SCHEMA, read_scene
@@ -32,6 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from photizon_cl.scene.names import ByName
+    from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["SCHEMA", "FarField", "RunSettings", "Scene", "between_objects", "same_stream"]
 
@@ -40,6 +44,7 @@ _FLOOR: Final = 1e-9
 """The automatic roulette floor where rays split."""
 _WHEN_TO_STOP: Final = ("target_sigma", "target_on", "max_seconds")
 _NO_ELEMENTS: Final[Any] = ()
+_NO_MEDIA: Final[Any] = ()
 
 
 @dataclass(frozen=True, repr=False)
@@ -56,6 +61,8 @@ class Scene(Described):
     element : sequence of Element, optional
         Names unique; found by name as well. Their order decides between faces of equal rank in one
         place.
+    medium : sequence of Medium, optional
+        What bodies are made of, by names that surfaces and sources call; found by name as well.
     run : RunSettings, optional
         How the scene is run by default.
     far_field : FarField, optional
@@ -82,6 +89,10 @@ class Scene(Described):
     element: Accepts[Sequence[Element], ByName[Element]] = field(
         default=_NO_ELEMENTS, metadata=declare(NestedList(Element, 0, meaning="what they can hit"))
     )
+    medium: Accepts[Sequence[Medium], ByName[Medium]] = field(
+        default=_NO_MEDIA,
+        metadata=declare(NestedList(Medium, 0, meaning="what is in bodies and around them")),
+    )
     run: RunSettings = field(
         default_factory=RunSettings,
         metadata=declare(
@@ -104,7 +115,10 @@ class Scene(Described):
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check names and shares across sources and elements, and what is named elsewhere."""
         elements = known.get("element") or ()
-        problems = between_objects(known.get("source") or (), elements)
+        sources, media = known.get("source") or (), known.get(Medium.label) or ()
+        problems = between_objects(sources, elements)
+        problems += _duplicates(Medium.label, media)
+        problems += media_of(media, source=sources, element=elements)
         return problems + targets_of(known.get(Importance.label), elements)
 
     @property
@@ -126,7 +140,7 @@ class Scene(Described):
         ----------
         changes : mapping of str to object
             Values by path: ``run.KEY``, ``far_field.KEY``, ``source.NAME.KEY``,
-            ``element.NAME.KEY``, ``element.NAME.surface.KEY``, with ``[i]`` for a component and
+            ``element.NAME.KEY``, ``element.NAME.surface.KEY``, ``medium.NAME.KEY``, with ``[i]`` for a component and
             quotes around a name that has other characters than letters, digits, ``-`` and ``_``:
             ``element."wall -x".surface.reflectance``. A value is what a scene file would hold
             there, or an object such as ``pz.Mirror(0.9)``; None takes away what may be absent.
@@ -172,6 +186,8 @@ class Scene(Described):
             value = getattr(self, item)
             if type(parameter) is Nested and item not in out and value is not None:
                 out[item] = value.to_table()
+        if self.medium:
+            out[Medium.label] = [medium.to_table() for medium in self.medium]
         out["source"] = [source.to_table() for source in self.source]
         if self.element:
             out["element"] = [element.to_table() for element in self.element]
@@ -183,6 +199,17 @@ class Scene(Described):
         if floor != "auto":
             return floor
         return _FLOOR if self.splits(run) else 0.0
+
+    @cached_property
+    def optics(self) -> tuple[Surface, ...]:
+        """The elements' surfaces in order, with numbers where they name media."""
+        index_of = {VACUUM: 1.0, **{medium.name: medium.index for medium in self.medium}}
+        return tuple(element.surface.among(index_of) for element in self.element)
+
+    @property
+    def names_media(self) -> bool:
+        """Whether there is any medium by name, other than the vacuum around it all."""
+        return bool(self.medium) or any(e.surface.media is not None for e in self.element)
 
     @property
     def splitter(self) -> Element | None:
