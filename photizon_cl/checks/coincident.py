@@ -157,9 +157,7 @@ def _nested(one: Element, other: Element) -> str:
     )
 
 
-def _on_glass(
-    pair: Shared, glass: Element, plain: Element, optics: Mapping[str, Surface]
-) -> str:
+def _on_glass(pair: Shared, glass: Element, plain: Element, optics: Mapping[str, Surface]) -> str:
     inside, outside = _indices(glass, optics)
     text = (
         f'element "{plain.name}" {"touches" if pair.point else "lies on"} the glass of '

@@ -366,7 +366,7 @@ def lay_out(
         paths = element.detector.paths or 0
         found.append(DetectorCells(n, power, tuple(tallies), paths))
     brought = []
-    for effect, shape, *shown in groups:
-        brought.append(CellGroup(effect, cell, shape, *shown))
+    for effect, shape, labels, unit, scale, counted_as in groups:
+        brought.append(CellGroup(effect, cell, shape, labels, unit, scale, counted_as))
         cell += brought[-1].size
     return TallyLayout(len(scene.element), named, tuple(found), tuple(brought), cell + 1)

@@ -237,11 +237,12 @@ class Ledger:
     @property
     def absorbed_in(self) -> Mapping[str, Estimate]:
         """What media absorbed, by their names, in the order of the scene."""
-        grouped = ((*name.partition("."), title) for title, name in self.names.items())
-        return Table(
-            f"ledger.{ABSORBED_IN}",
-            ((name, self.others[title]) for group, _, name, title in grouped if group == ABSORBED_IN),
-        )
+        mine = {
+            name.removeprefix(f"{ABSORBED_IN}."): self.others[title]
+            for title, name in self.names.items()
+            if name.startswith(f"{ABSORBED_IN}.")
+        }
+        return Table(f"ledger.{ABSORBED_IN}", mine)
 
     def summary(self) -> dict[str, Any]:
         """Return the ledger as the summary holds it."""

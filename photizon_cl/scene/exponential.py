@@ -1,7 +1,7 @@
 """The kernels' exponential on the host: the same operations in the same order, so the same bits.
 
-``twofold_exp`` of ``kernels/lib/powers.mako`` says how it works. Mathematics libraries differ in the
-last place between machines, and what goes into a result must not.
+``twofold_exp`` of ``kernels/lib/powers.mako`` says how it works. Mathematics libraries differ in
+the last place between machines, and what goes into a result must not.
 """
 
 from __future__ import annotations

@@ -140,8 +140,9 @@ class Scene(Described):
         ----------
         changes : mapping of str to object
             Values by path: ``run.KEY``, ``far_field.KEY``, ``source.NAME.KEY``,
-            ``element.NAME.KEY``, ``element.NAME.surface.KEY``, ``medium.NAME.KEY``, with ``[i]`` for a component and
-            quotes around a name that has other characters than letters, digits, ``-`` and ``_``:
+            ``element.NAME.KEY``, ``element.NAME.surface.KEY``, ``medium.NAME.KEY``, with ``[i]``
+            for a component and quotes around a name that has other characters than letters,
+            digits, ``-`` and ``_``:
             ``element."wall -x".surface.reflectance``. A value is what a scene file would hold
             there, or an object such as ``pz.Mirror(0.9)``; None takes away what may be absent.
 

@@ -35,7 +35,7 @@ _NO_BORDER = (-1, -1)
 
 
 class Media(Effect):
-    """Rays know the medium that they are in; it absorbs, and surfaces say whether it is the right one."""
+    """Rays know the medium that they are in; it absorbs, and surfaces say whether it is right."""
 
     name: ClassVar[str] = "media"
     what: ClassVar[str] = "rays carry the medium that they are in, which absorbs on their way"
@@ -79,12 +79,13 @@ class Media(Effect):
         worst = sorted(range(len(counts)), key=lambda n: -counts[n])[:_NAMED]
         told = ", ".join(f'{counts[n]} at "{scene.element[n].name}"' for n in worst if counts[n])
         more = sum(1 for n in counts if n) > _NAMED
-        return [
+        text = (
             f"{total} times a ray met a surface that names another medium than the ray was in "
             f"({told}{' …' if more else ''}): what it lost on its way there is that of the wrong "
             "one; give a source in glass or water its medium, bodies that share a border one name "
             "for what lies between them, and see that no two overlap and none is open at its side"
-        ]
+        )
+        return [text]
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return what absorbs, what follows the medium and what counts the wrong ones."""

@@ -22,9 +22,10 @@ _THICKNESS = 0.01
 class Medium(Described):
     """What a transparent body is made of, or what lies around it.
 
-    The weight of a ray falls by exp(−αs) along a way s in it (Beer and Lambert), and what it loses is
-    booked to the ledger's row ``absorbed_in.NAME``. A surface names the medium on each of its sides,
-    a source the one that it stands in; ``vacuum``, of index 1 and without absorption, is always there.
+    The weight of a ray falls by exp(−αs) along a way s in it (Beer and Lambert), and what it loses
+    is booked to the ledger's row ``absorbed_in.NAME``. A surface names the medium on each of its
+    sides, a source the one that it stands in; ``vacuum``, of index 1 and without absorption, is
+    always there.
 
     Parameters
     ----------

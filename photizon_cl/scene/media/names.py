@@ -36,9 +36,7 @@ def medium_name(meaning: str) -> dict[str, Parameter]:
     return declare(MediumName(meaning))
 
 
-def media_of(
-    media: Sequence[Known | None], **groups: Sequence[Known | None]
-) -> list[Problem]:
+def media_of(media: Sequence[Known | None], **groups: Sequence[Known | None]) -> list[Problem]:
     """Return the problems of a scene's media, and of the names by which its objects call them.
 
     Parameters
@@ -54,8 +52,8 @@ def media_of(
             hint = "it is always there, with index 1 and without absorption"
             expected = f"another name than {show(VACUUM)}"
             problems.append(Problem(f"medium[{i}].name", show(VACUUM), expected, hint=hint))
-    listed = [known.get("name") if known is not None else None for known in media]
-    if None in listed:  # one whose name is not known may be meant
+    listed = [str(known.get("name")) for known in media if known and known.get("name")]
+    if len(listed) < len(media):  # one whose name is not known may be meant
         return problems
     there = [VACUUM, *(name for name in listed if name != VACUUM)]
     for group, objects in groups.items():

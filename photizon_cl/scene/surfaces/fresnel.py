@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.described import ABSENT, Accepts, parameters_of
+from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import refractive_index
 from photizon_cl.scene.rows import Row
@@ -73,11 +73,11 @@ class Fresnel(Surface):
         {**dict.fromkeys(_BY_INDEX, _BY_NAME), **dict.fromkeys(_BY_NAME, _BY_INDEX)}
     )
 
-    index: Accepts[float | None, float] = field(
-        default=ABSENT, metadata=refractive_index("index behind the normal, or inside the solid")
+    index: float | None = field(
+        default=None, metadata=refractive_index("index behind the normal, or inside the solid")
     )
-    index_outside: Accepts[float | None, float] = field(
-        default=ABSENT, metadata=refractive_index("index on the normal's side, 1 by default")
+    index_outside: float | None = field(
+        default=None, metadata=refractive_index("index on the normal's side, 1 by default")
     )
     medium: str | None = field(
         default=None,
@@ -85,7 +85,7 @@ class Fresnel(Surface):
     )
     medium_outside: str | None = field(
         default=None,
-        metadata=medium_name('instead of index_outside: on the normal\'s side, "vacuum" by default'),
+        metadata=medium_name("instead of index_outside: on the normal's side, vacuum by default"),
     )
 
     def __post_init__(self) -> None:
@@ -140,7 +140,7 @@ class Fresnel(Surface):
         1 − m² = (n₂ − n₁)(n₂ + n₁)/n₂², with the difference of the indices taken before anything
         is rounded.
         """
-        inside, outside = self.index, self.index_outside
+        inside, outside = self._pair
         return {
             "ratio_plus": outside / inside,
             "one_less_square_plus": (inside - outside) * (inside + outside) / (inside * inside),
@@ -149,33 +149,43 @@ class Fresnel(Surface):
         }
 
     @property
-    def indices(self) -> tuple[float, float]:
-        """Refractive indices behind its normal and on the other side."""
+    def indices(self) -> tuple[float, float] | None:
+        """Refractive indices behind its normal and on the other side; None by names of media."""
+        if self.index is None or self.index_outside is None:
+            return None
         return self.index, self.index_outside
+
+    @property
+    def _pair(self) -> tuple[float, float]:
+        if self.indices is None:
+            raise ValueError("indices follow from the scene's media: ask Scene.optics")
+        return self.indices
 
     @property
     def normal_reflectance(self) -> float:
         """Reflectance at normal incidence, ((n − n')/(n + n'))²."""
-        ratio = (self.index - self.index_outside) / (self.index + self.index_outside)
+        inside, outside = self._pair
+        ratio = (inside - outside) / (inside + outside)
         return ratio * ratio
 
     @property
     def critical_angle_deg(self) -> float | None:
         """Critical angle in degrees in the denser medium; None where the indices are equal."""
-        if self.index == self.index_outside:
+        low, high = sorted(self._pair)
+        if low == high:
             return None
-        low, high = sorted((self.index, self.index_outside))
         return math.degrees(math.asin(low / high))
 
     def advice(self) -> list[str]:
         """Say where it is no border."""
-        if self.index != self.index_outside:
+        inside, outside = self._pair
+        if inside != outside:
             return []
         return ["has the same index on both sides: it reflects nothing and bends nothing"]
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return the reflectance at normal incidence and the critical angle, given indices."""
-        if self.media is not None:
+        if self.indices is None:
             return {}
         out = {"reflectance at normal incidence": (self.normal_reflectance, "")}
         if self.critical_angle_deg is not None:
