@@ -62,7 +62,7 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         packet_t child;
         interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, &child);
         long ending = ESCAPED;
-% if hooks["travel"]:
+% if ends:
         if (contact.lost && !hit.found) ending = ABSORBED;
 % endif
         if (hit.found) {

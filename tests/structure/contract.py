@@ -126,6 +126,12 @@ def everything() -> pz.Scene:
         name="room", position=(0.0, 0.0, 0.0), axis="+z", radius=3.0 * step, port_fraction=0.05,
         surface=pz.Lambertian(reflectance=0.95),
     )  # fmt: skip
+    # what is of glass is made of a medium that absorbs, but for the first, which has an index
+    glass = [n for n, element in enumerate(stand) if element.surface.refracts]
+    for n in glass[1:]:
+        of_medium = type(stand[n].surface)(medium="glass")
+        stand[n] = replace(stand[n], surface=of_medium)
+    assert len(glass) > 1
     cells = list(itertools.product((-0.5, 0.5), repeat=3))
     assert len(SOURCES) <= len(cells), "more sources than cells: find them another place"
     sources = []
@@ -138,6 +144,7 @@ def everything() -> pz.Scene:
         run=pz.RunSettings(generation_cap=60, roulette_floor=0.05),
         far_field=pz.FarField(n_mu=4, n_phi=6),
         importance=pz.Importance(toward=[stand[0].name, stand[-1].name], fraction=0.25),
+        medium=(pz.Medium("glass", 1.5168, absorption_per_m=1.0 / step),),
         source=tuple(sources),
         element=(*stand, room),
     )

@@ -105,6 +105,7 @@ class Media(Effect):
                 ("source_media", "ulong", "where in codes the numbers of the sources' media stand"),
                 ("side_media", "ulong", "where in codes those of the elements' two sides stand"),
             ),
+            ends=True,
             parameters=(("media", len(draft.scene.medium)), ("media_counted", int(counted))),
         )
 

@@ -69,6 +69,7 @@ class Fresnel(Surface):
     colour: ClassVar[str] = "#56b4e9"
     label_text: ClassVar[str] = "glass"
 
+    sample: ClassVar[Mapping[str, object]] = MappingProxyType({"index": 1.5168})
     alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         {**dict.fromkeys(_BY_INDEX, _BY_NAME), **dict.fromkeys(_BY_NAME, _BY_INDEX)}
     )
