@@ -227,7 +227,7 @@ class EffectParts:
     orders : bool
         Whether a second search puts faces in one place in order (kernels/lib/nearest.mako).
     ends : bool
-        Whether its statements at ``travel`` may end a ray on its way (kernels/lib/interaction.mako).
+        Whether its statements at ``travel`` may end a ray on its way.
     densities : bool
         Whether it asks surfaces for the density of what they scatter.
     parameters : tuple of (str, int)

@@ -80,6 +80,13 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
     if scene.importance is not None:
         line(f"importance: {_describe(scene.importance)}")
     line(f"memory: {_memory(compiled)}")
+    if scene.medium:
+        out.print()
+        out.print(Text("media", "bold"))
+    for medium in scene.medium:
+        line(f"{medium.name}: {_describe(medium)}")
+        if medium.derived():
+            line(_derived(medium), "    ")
     out.print()
     out.print(Text("sources", "bold"))
     for source, rays in zip(scene.source, compiled.rays_of_source, strict=True):

@@ -77,7 +77,7 @@ def test_a_way_in_two_parts_is_a_way():
 
 
 def test_what_meets_the_cap_travels_no_further():
-    layers = [media.Layer("vacuum", 1.0), media.Layer("glass", 1.5, 5.0), media.Layer("vacuum", 1.0)]
+    layers = media.plate(1.5, 5.0)
     parts = media.stack(layers, [0.0, 1.0], -1.0, generation_cap=1, rays_per_batch=32)
     found = trace(scene_of(**parts))
     assert in_medium(found, "glass") == 0
@@ -124,7 +124,7 @@ def test_a_source_in_glass_that_is_not_told_so():
 
 
 def test_borders_by_index_say_nothing_of_media_and_lead_out_of_them():
-    """Behind an index of 1 lies the vacuum, behind another what has no name, and absorbs nothing."""
+    """Behind an index of 1 lies the vacuum, behind another one what has no name."""
     surface = lambda **sides: {"surface": {"kind": "fresnel", **sides}}  # noqa: E731
     elements = [
         {**wall((0, 0, 0.1), "-z"), **surface(index=1.2, index_outside=1.2)},  # fog, then no name
@@ -143,7 +143,9 @@ def test_without_absorption_it_is_a_scene_of_indices():
     """Bit by bit, in every row and detector."""
     plain = pz.load("ghost-ladder")
     tables = plain.to_dict()
-    indices = sorted({s["index"] for s in (e["surface"] for e in tables["element"]) if "index" in s})
+    indices = sorted(
+        {s["index"] for s in (e["surface"] for e in tables["element"]) if "index" in s}
+    )
     tables["medium"] = [{"name": f"n = {index}", "index": index} for index in indices]
     for element in tables["element"]:
         surface = element["surface"]
@@ -154,7 +156,9 @@ def test_without_absorption_it_is_a_scene_of_indices():
     assert found.interactions == by_index.interactions
     assert any(e.surface.media for e in found.compiled.scene.element)
     mine, others = found.compiled.layout.pieces, by_index.compiled.layout.pieces
-    assert set(mine) - set(others) == {f"row absorbed_in.n = {i}" for i in indices} | {"effect media"}
+    assert set(mine) - set(others) == {f"row absorbed_in.n = {i}" for i in indices} | {
+        "effect media"
+    }
     for piece, (first, n) in others.items():
         at = mine[piece][0]
         assert found.cells[at : at + n].tobytes() == by_index.cells[first : first + n].tobytes()
@@ -162,7 +166,7 @@ def test_without_absorption_it_is_a_scene_of_indices():
 
 
 def test_paths_tell_the_weight_that_is_left():
-    layers = [media.Layer("vacuum", 1.0), media.Layer("glass", 1.5, 30.0), media.Layer("vacuum", 1.0)]
+    layers = media.plate(1.5, 30.0)
     parts = media.stack(layers, [0.0, 0.01], -0.05, 0.05, generation_cap=8)
     rows = pz.paths(scene_of(**parts), rays=1)
     kept = math.exp(-0.3)
@@ -174,7 +178,7 @@ def test_paths_tell_the_weight_that_is_left():
 
 
 def test_a_path_table_adds_up_in_what_absorbs():
-    layers = [media.Layer("vacuum", 1.0), media.Layer("glass", 1.5, 30.0), media.Layer("vacuum", 1.0)]
+    layers = media.plate(1.5, 30.0)
     parts = media.stack(layers, [0.0, 0.01], -0.05, 0.05, generation_cap=9, rays_per_batch=64)
     parts["elements"][-1]["detector"] = {"paths": 16}
     plate_of = pz.trace(scene_of(**parts), batches=2).detectors["plate"]

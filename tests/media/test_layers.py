@@ -24,7 +24,7 @@ def test_wrong_media_are_counted_where_they_are_met():
 
 def test_the_closed_form_of_a_slab():
     """R, T and A of a plate with absorption: R + T² R t² / (1 − R² t²) and so on."""
-    layers = [media.Layer("vacuum", 1.0), media.Layer("glass", 1.5, 30.0), media.Layer("vacuum", 1.0)]
+    layers = media.plate(1.5, 30.0)
     parts = media.stack(layers, [0.0, 0.01], -0.05, 0.05, rays_per_batch=64, generation_cap=60)
     found = media.rows_of(trace(scene_of(**parts)))
     part, kept = 0.04, math.exp(-0.3)
@@ -75,7 +75,8 @@ WAYS = [
     {"plan": PLAN.with_(lanes=1)}, {"plan": PLAN.with_(lanes=8, refill=2)},
     {"plan": PLAN.with_(composition="classical")},
     {"plan": PLAN.with_(composition="whole-path", lanes=1)},
-    {"force": frozenset({"acceleration"})}, {"force": frozenset({"tilt", "contact", "coincidence"})},
+    {"force": frozenset({"acceleration"})},
+    {"force": frozenset({"tilt", "contact", "coincidence"})},
 ]  # fmt: skip
 
 
@@ -91,7 +92,7 @@ def test_every_way_of_running_gives_the_same_bits():
 @pytest.mark.parametrize(("precision", "tolerance"), [("mixed", 2e-6), ("fp32", 4e-6)])
 def test_in_single_precision(precision, tolerance):
     """Lengths are floats, so a loss is as good as they are; weights of doubles close exactly."""
-    layers = [media.Layer("vacuum", 1.0), media.Layer("glass", 1.5, 25.0), media.Layer("vacuum", 1.0)]
+    layers = media.plate(1.5, 25.0)
     parts = media.stack(layers, [0.0, 0.01], -0.02, 0.05, generation_cap=40, rays_per_batch=32)
     found = trace(scene_of(**parts), precision=precision)
     sums = media.followed(layers, [0.0, 0.01], -0.02, 40, 0.05)

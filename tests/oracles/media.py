@@ -43,7 +43,7 @@ def followed(
     """Follow a ray of weight 1 along +z through layers, all its children with it.
 
     Layer k lies between plane k − 1 and plane k; the first and last one have no end. Past the last
-    plane a black plate may stand. Reflectance is ((n − n')/(n + n'))², Beer and Lambert's law holds.
+    plane a black plate may stand. Reflectance is ((n − n')/(n + n'))².
     """
     sums = Sums()
     first = sum(z < start for z in planes)
@@ -77,6 +77,12 @@ def followed(
         if part:
             waiting.append((layer, at, -way, left * part, generation + 1))
     return sums
+
+
+def plate(index: float, alpha: float) -> list[Layer]:
+    """Return the layers of a plate of glass in vacuum."""
+    vacuum = Layer("vacuum", 1.0)
+    return [vacuum, Layer("glass", index, alpha), vacuum]
 
 
 def stack(
@@ -123,10 +129,10 @@ def random_stack(number: int) -> tuple[list[Layer], list[float], float, float | 
 def rows_of(found: Traced) -> dict[str, float]:
     """Return the rows of a trace in parts of what was emitted, named as `Sums` names them."""
     layout = found.compiled.layout
-    rows = {
-        row.title.replace("absorbed in ", "in "): float(found.amount(layout.row(row.name)) / found.emitted)
-        for row in layout.rows
-    }
+    rows = {}
+    for row in layout.rows:
+        part = found.amount(layout.row(row.name)) / found.emitted
+        rows[row.title.replace("absorbed in ", "in ")] = float(part)
     rows["capped"] = rows.pop("depth-capped")
     for element in found.compiled.scene.element:
         if not element.surface.transmits:
@@ -170,9 +176,13 @@ def nested(cap: int = 12, **more: Any) -> None:
     ball = {"kind": "sphere", "position": [0, 0, 0], "axis": "+z"}
     lamp = {**beam((0, 0, -0.5), "+z", 1e-9), "medium": "water"}
     elements = [
-        {**ball, "radius": 0.2, "surface": {"kind": "fresnel", "medium": "glass", "medium_outside": "water"}},
-        {**ball, "radius": 0.1, "surface": {"kind": "fresnel", "medium": "vacuum", "medium_outside": "glass"}},
-    ]  # fmt: skip
+        {
+            **ball,
+            "radius": radius,
+            "surface": {"kind": "fresnel", "medium": inside, "medium_outside": outside},
+        }
+        for radius, inside, outside in ((0.2, "glass", "water"), (0.1, "vacuum", "glass"))
+    ]
     media = [
         {"name": layer.medium, "index": layer.index, "absorption_per_m": layer.alpha}
         for layer in (glass, water)
@@ -185,14 +195,16 @@ def nested(cap: int = 12, **more: Any) -> None:
 
 def wrong(**more: Any) -> None:
     """Gate: two bodies that overlap, of index 1, so that each ray meets four faces, three wrong."""
+
     def slab_of(medium: str, low: float, high: float) -> list[dict[str, Any]]:
         surface = {"surface": {"kind": "fresnel", "medium": medium}}
-        return [{**wall((0, 0, low), "-z", HALF), **surface}, {**wall((0, 0, high), "+z", HALF), **surface}]
+        faces = wall((0, 0, low), "-z", HALF), wall((0, 0, high), "+z", HALF)
+        return [{**face, **surface} for face in faces]
 
     elements = slab_of("a", 0.0, 0.2) + slab_of("b", 0.1, 0.3)
     media = [{"name": "a", "index": 1.0}, {"name": "b", "index": 1.0}]
     scene = scene_of([beam((0, 0, -1), "+z", 1e-6)], elements, medium=media)
     found = trace(scene, batches=2, rays_per_batch=50, generation_cap=8, **more)
-    # from vacuum into a; in a at b's front; in b at a's back, which leads out; in vacuum at b's back
+    # from vacuum into a; in a at b's front; in b at a's back, which leads out; in vacuum at b's
     assert mismatches(found) == [0, 100, 100, 100]
     assert found.escaped == found.emitted

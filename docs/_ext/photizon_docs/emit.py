@@ -31,7 +31,8 @@ def as_toml(scene: Scene) -> str:
             lines += ["", f"[{label}]", *_entries(getattr(scene, label))]
     if _given(scene.run):
         lines += ["", "[run]", *_entries(scene.run)]
-    for label, objects in (("source", scene.source), ("element", scene.element)):
+    groups = (("medium", scene.medium), ("source", scene.source), ("element", scene.element))
+    for label, objects in groups:
         for item in objects:
             lines += ["", f"[[{label}]]", *_entries(item)]
     return "\n".join(lines) + "\n"

@@ -13,6 +13,7 @@ from photizon_cl.scene.elements import Element
 from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.frames import AXES, frame
 from photizon_cl.scene.importance import Importance
+from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import presets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
@@ -143,6 +144,7 @@ FRAGMENTS: dict[str, Callable[[], Any]] = {
     "run": lambda: parameter_table(RunSettings),
     "far-field": lambda: parameter_table(FarField),
     "importance": lambda: parameter_table(Importance),
+    "medium": lambda: parameter_table(Medium),
     "source": lambda: parameter_table(DirectedSource),
     "element": lambda: parameter_table(Element),
     "frames": _frames,

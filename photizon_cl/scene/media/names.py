@@ -6,7 +6,7 @@ import difflib
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import Problem, join, show
-from photizon_cl.scene.described import Known, parameters_of
+from photizon_cl.scene.described import Described, Known, parameters_of
 from photizon_cl.scene.parameters import Name, declare
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.scene.parameters import Parameter
 
-__all__ = ["VACUUM", "MediumName", "media_of", "medium_name"]
+__all__ = ["VACUUM", "MediumName", "media_of", "medium_name", "named_by"]
 
 VACUUM: Final = "vacuum"
 """The medium that every scene has: index 1, no absorption."""
@@ -62,6 +62,16 @@ def media_of(media: Sequence[Known | None], **groups: Sequence[Known | None]) ->
                 if name not in there:
                     problems.append(_unknown(path, name, there))
     return problems
+
+
+def named_by(thing: Described) -> Iterator[str]:
+    """Give the names of the media that an object and those within it call."""
+    for item, parameter in parameters_of(type(thing)).items():
+        value = getattr(thing, item)
+        if isinstance(parameter, MediumName) and value is not None:
+            yield value
+        elif isinstance(value, Described):
+            yield from named_by(value)
 
 
 def _called(value: Any, path: str) -> Iterator[tuple[str, str]]:
