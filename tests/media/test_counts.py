@@ -81,7 +81,7 @@ def test_what_meets_the_cap_travels_no_further():
     parts = media.stack(layers, [0.0, 1.0], -1.0, generation_cap=1, rays_per_batch=32)
     found = trace(scene_of(**parts))
     assert in_medium(found, "glass") == 0
-    assert found.depth_capped == found.emitted
+    assert abs(found.depth_capped - found.emitted) <= 32 * Fraction(1, 2**52)  # of the split
 
 
 def test_roulette_sees_what_absorption_left():
@@ -162,7 +162,8 @@ def test_without_absorption_it_is_a_scene_of_indices():
     for piece, (first, n) in others.items():
         at = mine[piece][0]
         assert found.cells[at : at + n].tobytes() == by_index.cells[first : first + n].tobytes()
-    assert not np.any([found.cells[a : a + n] for p, (a, n) in mine.items() if p not in others])
+    new = [found.cells[first : first + n] for p, (first, n) in mine.items() if p not in others]
+    assert not np.concatenate(new).any()
 
 
 def test_paths_tell_the_weight_that_is_left():

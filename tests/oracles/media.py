@@ -63,7 +63,8 @@ def followed(
             sums.add(f"in {here.medium}" if here.alpha else "escaped", weight)
             continue
         left = weight * math.exp(-here.alpha * length)
-        sums.add(f"in {here.medium}", weight - left)
+        if here.alpha:
+            sums.add(f"in {here.medium}", weight - left)
         if left == 0.0:
             continue
         sums.interactions += 1

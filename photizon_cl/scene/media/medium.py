@@ -38,6 +38,7 @@ class Medium(Described):
     """
 
     label: ClassVar[str] = "medium"
+    kind: ClassVar[str] = "medium"
     foreseen: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
             key: "what depends on wavelength is not there yet: give index, a number"
