@@ -82,7 +82,7 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
     line(f"memory: {_memory(compiled)}")
     if scene.medium:
         out.print()
-        out.print(Text("media", "bold"))
+        out.print(Text("media, by name", "bold"))
     for medium in scene.medium:
         line(f"{medium.name}: {_describe(medium)}")
         if medium.derived():
