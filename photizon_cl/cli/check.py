@@ -139,11 +139,11 @@ def _pilot(scene: Scene, precision: str) -> tuple[list[str], list[str]]:
     from photizon_cl.errors import PhotizonError
     from photizon_cl.run.media import clashing_media
     from photizon_cl.run.outlay import outlay
-    from photizon_cl.run.pilot import pilot
+    from photizon_cl.run.pilot import counted_by_pilot, pilot
 
     try:
         found = pilot(scene, precision=precision)
-        clashes = clashing_media(scene)
+        clashes = [*counted_by_pilot(scene, precision=precision), *clashing_media(scene)]
     except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
         return [f"pilot: none was traced: {str(error) or 'no memory is left for it'}"], []
     time = None

@@ -61,8 +61,6 @@ class Scene(Described):
     element : sequence of Element, optional
         Names unique; found by name as well. Their order decides between faces of equal rank in one
         place.
-    medium : sequence of Medium, optional
-        What bodies are made of, by names that surfaces and sources call; found by name as well.
     run : RunSettings, optional
         How the scene is run by default.
     far_field : FarField, optional
@@ -73,6 +71,8 @@ class Scene(Described):
         One line for people.
     notes : str, optional
         Free text.
+    medium : sequence of Medium, optional
+        What bodies are made of, by names that surfaces and sources call; found by name as well.
 
     Raises
     ------
@@ -88,10 +88,6 @@ class Scene(Described):
     )
     element: Accepts[Sequence[Element], ByName[Element]] = field(
         default=_NO_ELEMENTS, metadata=declare(NestedList(Element, 0, meaning="what they can hit"))
-    )
-    medium: Accepts[Sequence[Medium], ByName[Medium]] = field(
-        default=_NO_MEDIA,
-        metadata=declare(NestedList(Medium, 0, meaning="what is in bodies and around them")),
     )
     run: RunSettings = field(
         default_factory=RunSettings,
@@ -110,6 +106,10 @@ class Scene(Described):
     )
     title: str = field(default="", metadata=free_text("one line for people"))
     notes: str = field(default="", metadata=free_text("free text"))
+    medium: Accepts[Sequence[Medium], ByName[Medium]] = field(
+        default=_NO_MEDIA,
+        metadata=declare(NestedList(Medium, 0, meaning="what is in bodies and around them")),
+    )
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:

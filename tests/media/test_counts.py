@@ -12,6 +12,7 @@ from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, wall
 
 import photizon_cl as pz
+from photizon_cl.cli.main import main
 
 FOG = {"name": "fog", "index": 1.0, "absorption_per_m": 2.0}
 CLEAR = {"surface": {"kind": "clear"}}
@@ -188,3 +189,20 @@ def test_a_path_table_adds_up_in_what_absorbs():
     expected = [0.96**2 * kept * (part * kept) ** (2 * k) for k in range(len(powers))]
     assert powers == pytest.approx(expected, rel=1e-13)
     assert math.fsum(powers) == pytest.approx(plate_of.power.value, rel=1e-15)
+
+
+def test_a_check_tells_wrong_media_before_a_run(tmp_path, capsys):
+    """By a pilot, which counts them as the run will."""
+    ball = {
+        "kind": "sphere", "position": [0, 0, 0], "axis": "+z", "radius": 0.1,
+        "surface": {"kind": "fresnel", "medium": "glass"},
+    }  # fmt: skip
+    lamp = {"kind": "isotropic-point", "flux": 1.0, "position": [0.0, 0.0, 0.0]}
+    glass = {"name": "glass", "index": 1.5, "absorption_per_m": 1.0}
+    for medium in ("vacuum", "glass"):
+        scene = scene_of([{**lamp, "medium": medium}], [ball], medium=[glass])
+        scene.save(tmp_path / "ball.toml")
+        assert main(["check", str(tmp_path / "ball.toml")]) == 0
+        told = " ".join(capsys.readouterr().out.split())
+        assert ("by a pilot of 512 rays: " in told) == (medium == "vacuum")
+        assert ("names another medium than the ray was in" in told) == (medium == "vacuum")
