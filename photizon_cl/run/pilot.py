@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hostcode.device.device import DeviceRecord
-    from hostcode.run.tally import SparseTally
     from hostcode.program.plan import ExecutionPlan
+    from hostcode.run.tally import SparseTally
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene

@@ -6,7 +6,7 @@ import math
 
 import pytest
 from oracles import media
-from oracles.engine import PLAN, scene_of, trace
+from oracles.engine import PLAN, open_device, scene_of, trace
 from oracles.scenes import BLACK, beam, wall
 
 
@@ -80,12 +80,15 @@ WAYS = [
 ]  # fmt: skip
 
 
-def test_every_way_of_running_gives_the_same_bits():
+@pytest.mark.parametrize("origin", ["", "debian", "pypi", "intel"])
+def test_every_way_of_running_gives_the_same_bits(origin):
+    """And one compute unit, and every runtime that there is."""
     layers, planes, start, plate = media.random_stack(3)
     parts = media.stack(layers, planes, start, plate, generation_cap=9, rays_per_batch=96)
     scene = scene_of(**parts)
     plain = trace(scene, batches=3)
-    for way in WAYS:
+    ways = [{"device": open_device(origin)}] if origin else WAYS
+    for way in [*ways, {"device": open_device(origin, 1)}]:
         assert trace(scene, batches=3, **way).digest == plain.digest, way
 
 
