@@ -20,17 +20,17 @@ FN lint medium_of_source(const launch_t *launch, const scene_t *scene, wide ray)
     return medium;
 }
 
-// What lies on a side of the element that is met: number << 1 | whether its surface names it, -1 where that
+// What lies on a side of the face that is met: number << 1 | whether its surface names it, -1 where that
 // is no border.
-FN lint medium_beside(const launch_t *launch, const scene_t *scene, mask met, lint element, mask plus) {
-    const lint met_element = SELI(met, element, lsplat(0L));
-    return gather_long(scene->codes + launch->side_media, (met_element << 1) | (INT_MASK(plus) & 1L));
+FN lint medium_beside(const launch_t *launch, const scene_t *scene, mask met, lint code, mask plus) {
+    const lint element = SELI(met, ELEMENT_OF(code), lsplat(0L));
+    return gather_long(scene->codes + launch->side_media, (element << 1) | (INT_MASK(plus) & 1L));
 }
 
 // The medium of the ray that goes on: another one where it crosses a border.
 FN lint medium_behind(const launch_t *launch, const scene_t *scene, const packet_t *p, const contact_t *c, mask met,
-                      lint element, mask went_plus) {
-    const lint side = medium_beside(launch, scene, met, element, went_plus);
+                      lint code, mask went_plus) {
+    const lint side = medium_beside(launch, scene, met, code, went_plus);
     const mask crosses = met & (went_plus ^ c->came_plus) & IGE(side, lsplat(0L));
     return SELI(${point("media.crosses", "crosses")}, side >> 1, p->medium);
 }
@@ -70,9 +70,9 @@ FN void absorb(const launch_t *launch, const scene_t *scene, ledger_t *ledger, p
 
 // Counts, by element, the rays that meet a surface which names another medium than they are in.
 FN void count_mismatches(const launch_t *launch, const scene_t *scene, const ledger_t *ledger, const packet_t *p,
-                         const contact_t *c, mask met, lint element) {
-    const lint side = medium_beside(launch, scene, met, element, c->came_plus);
+                         const contact_t *c, mask met, lint code) {
+    const lint side = medium_beside(launch, scene, met, code, c->came_plus);
     const mask wrong = met & IGE(side, lsplat(0L)) & INE(side & 1L, lsplat(0L)) & ${point("media.wrong", "INE(side >> 1, p->medium)")};
-    if (ANY(wrong)) count_weights(ledger, launch->media, element, wrong, p->w);
+    if (ANY(wrong)) count_weights(ledger, launch->media, ELEMENT_OF(code), wrong, p->w);
 }
 % endif

@@ -201,10 +201,15 @@ class Scene(Described):
             return floor
         return _FLOOR if self.splits(run) else 0.0
 
+    @property
+    def index_of(self) -> dict[str, float]:
+        """Refractive indices of the media by name, the vacuum's among them."""
+        return {VACUUM: 1.0, **{medium.name: medium.index for medium in self.medium}}
+
     @cached_property
     def optics(self) -> tuple[Surface, ...]:
         """The elements' surfaces in order, with numbers where they name media."""
-        index_of = {VACUUM: 1.0, **{medium.name: medium.index for medium in self.medium}}
+        index_of = self.index_of
         return tuple(element.surface.among(index_of) for element in self.element)
 
     @property

@@ -27,7 +27,7 @@ _MEDIUM = RayField(
     "medium_of_source(launch, scene, ri)",
     "number of the medium that it is in: 0 the vacuum, then those of the scene",
     "lsplat(0L)",
-    onward="medium_behind(launch, scene, p, c, met, element, outcome.went_plus)",
+    onward="medium_behind(launch, scene, p, c, met, h->code, outcome.went_plus)",
 )
 _NAMED = 3
 """Elements of which it is told how often a ray met one in the wrong medium."""
@@ -90,7 +90,7 @@ class Media(Effect):
     def parts(self, draft: Draft) -> EffectParts:
         """Return what absorbs, what follows the medium and what counts the wrong ones."""
         counted = bool(self.cells(draft.scene))
-        count = "count_mismatches(launch, scene, ledger, p, c, met, element);"
+        count = "count_mismatches(launch, scene, ledger, p, c, met, h->code);"
         return EffectParts(
             ray=(_MEDIUM,),
             templates=(("survive", "effects/media"),),
