@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
-from photizon_cl.scene.described import Nested, NestedList, default_of, parameters_of
+from photizon_cl.scene.described import Nested, NestedList, parameters_of, shown_default
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.frames import AXES, frame
@@ -88,7 +88,7 @@ def _accepted(parameter: Parameter) -> str:
 
 
 def _default(cls: type[Described], name: str) -> str:
-    value = default_of(cls, name)
+    value = shown_default(cls, name)
     if value is dataclasses.MISSING:
         return "**required**"
     if value is None or value == ():

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.described import parameters_of
+from photizon_cl.scene.described import REQUIRED, parameters_of
 from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import refractive_index
 from photizon_cl.scene.rows import Row
@@ -70,15 +70,19 @@ class Fresnel(Surface):
     label_text: ClassVar[str] = "glass"
 
     sample: ClassVar[Mapping[str, object]] = MappingProxyType({"index": 1.5168})
+    usual: ClassVar[Mapping[str, object]] = MappingProxyType(
+        {"index": REQUIRED, "index_outside": 1.0, "medium_outside": VACUUM}
+    )
     alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         {**dict.fromkeys(_BY_INDEX, _BY_NAME), **dict.fromkeys(_BY_NAME, _BY_INDEX)}
     )
 
     index: float | None = field(
-        default=None, metadata=refractive_index("index behind the normal, or inside the solid")
+        default=None,
+        metadata=refractive_index("index behind the normal, or inside the solid; or medium"),
     )
     index_outside: float | None = field(
-        default=None, metadata=refractive_index("index on the normal's side, 1 by default")
+        default=None, metadata=refractive_index("index on the normal's side")
     )
     medium: str | None = field(
         default=None,
@@ -86,7 +90,7 @@ class Fresnel(Surface):
     )
     medium_outside: str | None = field(
         default=None,
-        metadata=medium_name("instead of index_outside: on the normal's side, vacuum by default"),
+        metadata=medium_name("instead of index_outside: what is on the normal's side"),
     )
 
     def __post_init__(self) -> None:
