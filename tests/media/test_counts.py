@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 
 import numpy as np
@@ -33,9 +34,11 @@ def plate(z, **more):
     return {**wall((0, 0, z), "-z"), **BLACK, **more}
 
 
-def test_nothing_escapes_from_what_absorbs():
+@pytest.mark.parametrize("precision", ["fp64", "mixed", "fp32"])
+def test_nothing_escapes_from_what_absorbs(precision):
     """Neither to the ledger's row nor to the far field, whose bins count nothing."""
-    found = trace(in_fog(far_field={"n_mu": 2, "n_phi": 2}), rays_per_batch=100, batches=2)
+    scene = in_fog(far_field={"n_mu": 2, "n_phi": 2})
+    found = trace(scene, rays_per_batch=100, batches=2, precision=precision)
     assert in_medium(found) == found.emitted
     assert found.escaped == 0
     assert found.far_field_counts.sum() == 0
@@ -100,7 +103,7 @@ def test_roulette_sees_what_absorption_left():
     assert higher.killed == higher.boosted == 0
 
 
-def test_a_source_in_glass_that_is_not_told_so():
+def test_a_source_in_glass_that_is_not_told_so(tmp_path):
     """Each face that a ray meets from within is met in the wrong medium."""
     ball = {
         "kind": "sphere", "position": [0, 0, 0], "axis": "+z", "radius": 0.1,
@@ -122,6 +125,13 @@ def test_a_source_in_glass_that_is_not_told_so():
         if part:
             assert said[0].startswith(f"{summary['interactions']} times a ray met a surface")
             assert f'{summary["interactions"]} at "element 0"' in said[0]
+            result.save(tmp_path / "run", figures=False)
+            again = pz.open_result(tmp_path / "run")
+            assert again.counts == result.counts
+            assert said[0] in again.advisories
+            with ThreadPoolExecutor(2) as pool:
+                shared = pz.trace(scene, batches=2, executor=pool)
+            assert shared.tally_digest == result.tally_digest
 
 
 def test_borders_by_index_say_nothing_of_media_and_lead_out_of_them():

@@ -74,6 +74,13 @@ def test_values_are_replaced_by_path():
     assert plain == pz.Fresnel(1.2)
     back = scene.replace({"element.face 1.surface.medium": "bk7"}).element[1].surface
     assert back == pz.Fresnel(medium="bk7", medium_outside="bk7")
+    outside = scene.replace({"element.face 1.surface": pz.Fresnel(medium="bk7")})
+    assert outside.element[1].surface.media == ("bk7", "vacuum")
+    glass = {"medium": [pz.Medium("f2", 1.62)], "element.front.surface": pz.Fresnel(medium="f2")}
+    made = pz.load("ghost-ladder").replace(glass)
+    assert made.optics[0].indices == (1.62, 1.0)
+    with pytest.raises(pz.SceneError, match="the name of a medium: "):
+        made.replace({"medium": None})
     with pytest.raises(pz.UnknownNameError, match='found "bk8", expected one of "bk7", "water"'):
         scene.replace({"medium.bk8.index": 1.0})
 
