@@ -56,6 +56,7 @@ def test_a_ray_of_which_nothing_is_left_ends_on_its_way():
     assert found.interactions == found.detector("element 0").count == 0
     rows = pz.paths(scene, rays=3)
     assert [line.ending for line in rows] == ["absorbed"] * 3
+    assert rows.element.tolist() == [-1] * 3
 
 
 def test_a_detector_gets_what_is_left():

@@ -17,7 +17,7 @@ def _given(item: Described) -> dict[str, Any]:
     given = {
         name: getattr(item, name)
         for name in parameters_of(type(item))
-        if getattr(item, name) != shown_default(type(item), name)
+        if getattr(item, name) not in (None, shown_default(type(item), name))
     }
     return dict(sorted(given.items(), key=lambda entry: isinstance(entry[1], Described)))
 
