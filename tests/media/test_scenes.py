@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 
 import pytest
 from oracles.media import Layer, stack
 
 import photizon_cl as pz
+from hostcode.program.source import program_source
+from photizon_cl.compile import compiled
+from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.scene.writing import to_json, to_toml
 
 LAYERS = [Layer("vacuum", 1.0), Layer("bk7", 1.5168, 2.0), Layer("water", 1.333)]
@@ -142,6 +147,36 @@ def test_a_source_in_a_medium_that_is_not_there():
     lamp = pz.IsotropicPoint(name="lamp", flux=1.0, position=(0, 0, 0), medium="oil")
     with pytest.raises(pz.SceneError, match=r'source\[0\].medium: found "oil"'):
         pz.Scene(name="x", source=[lamp])
+
+
+def program_of(scene):
+    return compile_scene(scene, scene.run).tables.spec
+
+
+@pytest.mark.parametrize("changes", [
+    {"medium.bk7.index": 1.7}, {"medium.bk7.absorption_per_m": 0.0}, {"medium.water.index": 1.4},
+    {"medium.water.absorption_per_m": 9.0}, {"source.lamp 0.medium": "water"},
+    {"element.face 0.surface.medium": "bk7"}, {"element.face 1.surface.medium_outside": "vacuum"},
+])  # fmt: skip
+def test_other_values_and_names_are_the_same_program(changes):
+    scene = pz.load(tables())
+    other = scene.replace(changes)
+    assert program_of(other) == program_of(scene)
+
+
+@pytest.mark.parametrize("name", ["ghost-ladder", "box-room", "baffled-telescope"])
+def test_a_scene_without_media_knows_nothing_of_them(name, monkeypatch):
+    """The same program as if there were no such effect, and none of its words in the text."""
+    scene = pz.load(name)
+    spec = program_of(scene)
+    text = program_source(spec.for_device(8, ("wave",)))
+    assert "medium" not in text.replace("thinner medium", "")
+    assert "twofold_exp" not in text
+    assert "lost" not in re.findall(r"\w+", re.sub("//.*", "", text))
+    without = tuple(effect for effect in EFFECTS if effect.name != "media")
+    assert len(without) == len(EFFECTS) - 1
+    monkeypatch.setattr(compiled, "EFFECTS", without)
+    assert program_of(scene) == spec
 
 
 def test_it_is_told_what_it_is(capsys):
