@@ -80,6 +80,33 @@ def test_a_ball_that_is_lit_from_inside(index, absorption):
     assert float(found.depth_capped / found.emitted) < 1e-9
 
 
+@pytest.mark.parametrize("kind", ["plano-convex", "biconvex"])
+def test_a_lens_that_bends_nothing(kind):
+    """Of index 1, so that a parallel beam crosses it straight: exp(−α × way) over its disk."""
+    radius, aperture, alpha = 1.0, 0.6, 1.5
+    shape = {"curvature_radius": radius}
+    if kind == "biconvex":
+        shape = {"front_radius": radius, "back_radius": radius}
+    lens = {
+        "kind": kind, "position": [0, 0, 0], "axis": "+x", "tilt_deg": [20.0, -40.0],
+        "aperture_radius": aperture, "surface": {"kind": "fresnel", "medium": "gel"}, **shape,
+    }  # fmt: skip
+    lamp = {
+        "kind": "collimated-disk", "flux": 1.0, "position": [0, 0, 0], "axis": "+x",
+        "tilt_deg": [20.0, -40.0], "radius": aperture, "medium": "gel",
+    }  # fmt: skip
+    gel = {"name": "gel", "index": 1.0, "absorption_per_m": alpha}
+    found = trace(scene_of([lamp], [lens], medium=[gel]), rays_per_batch=1 << 13, batches=32)
+
+    def ring(r):
+        # from the plane of the rim to the front; what lies behind it the lamp does not light
+        thickness = math.sqrt(radius**2 - r * r) - math.sqrt(radius**2 - aperture**2)
+        return 2.0 * r / aperture**2 * math.exp(-alpha * thickness)
+
+    agrees(found, found.compiled.layout.escaped, quad(ring, 0.0, aperture)[0])
+    assert found.closures() == [0] * 32
+
+
 def test_one_child_for_two():
     """Without splitting, of a slab that absorbs, what comes through is right on average."""
     layers = [Layer("vacuum", 1.0), Layer("glass", 1.9, 40.0), Layer("vacuum", 1.0)]
