@@ -113,6 +113,10 @@ def everything() -> pz.Scene:
         unused = [k for k in unused if k != kind]
     flat = next(shape for shape in shapes if shape.kind == "rectangle")
     elements += [replace(flat, detector=None, surface=surface(kind)) for kind in unused]
+    # and one more of glass, which has a medium where others have an index
+    kind = next(kind for kind in SURFACES if SURFACES[kind].refracts)
+    body = next(made for shape in shapes if (made := with_surface(shape, kind)) and not shape.flat)
+    elements.append(replace(body, surface=SURFACES[kind](medium="glass")))
     step = 2.2 * max(shape.reach for shape in shapes)
     side = range(-1, 2)
     places = sorted(itertools.product(side, side, side), key=lambda p: sum(map(abs, p)))
@@ -126,12 +130,6 @@ def everything() -> pz.Scene:
         name="room", position=(0.0, 0.0, 0.0), axis="+z", radius=3.0 * step, port_fraction=0.05,
         surface=pz.Lambertian(reflectance=0.95),
     )  # fmt: skip
-    # what is of glass is made of a medium that absorbs, but for the first, which has an index
-    glass = [n for n, element in enumerate(stand) if element.surface.refracts]
-    for n in glass[1:]:
-        of_medium = type(stand[n].surface)(medium="glass")
-        stand[n] = replace(stand[n], surface=of_medium)
-    assert len(glass) > 1
     cells = list(itertools.product((-0.5, 0.5), repeat=3))
     assert len(SOURCES) <= len(cells), "more sources than cells: find them another place"
     sources = []
