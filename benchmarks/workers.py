@@ -1,9 +1,10 @@
 """What a second worker is worth: ``python -m benchmarks.workers``.
 
 Traces a scene with one worker and with two, each of one thread, as processes of this machine and on
-Dask clusters on loopback, and in this process with one thread a core for comparison: turn and turn
-about, each round in another order. Workers have started and built the program before; a time is
-that of a whole `pz.trace`. Prints batches a second, and within each round the ratio of two to one.
+Dask clusters on loopback, and in this process with one thread a core for
+comparison: turn and turn about, each round in another order. Workers have started and built the
+program before; a time is that of a whole `pz.trace`. Prints batches a second, and within each round
+the ratio of two to one.
 All must have the same digest. Without `distributed` the Dask rows are left out, which is said.
 
 Time is the thing measured: run it where nothing else runs. Exit status 1 where two workers are
@@ -36,11 +37,21 @@ WANTED: Final = 1.7
 SCENE: Final = "integrating-sphere"
 HERE: Final = "this process"
 RAYS: Final = 1 << 16
+HOUSEKEEPING: Final = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1 s",
+    "distributed.admin.system-monitor.interval": "10 s",
+}
+"""What Dask's processes do beside their tasks takes an eighth of a processor where a scheduler and
+two workers share two, unless told to do it less often; docs/many-machines.md says how.
+"""
 
 
 def _dask(stack: ExitStack, workers: int) -> Executor:
+    from dask.config import set as configured
     from distributed import Client, LocalCluster
 
+    stack.enter_context(configured(HOUSEKEEPING))
     cluster = LocalCluster(
         n_workers=workers, threads_per_worker=1, dashboard_address=":0", host="127.0.0.1"
     )
@@ -84,7 +95,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.workers", description=__doc__)
     parser.add_argument("--scene", default=SCENE, help=f"preset or file; default {SCENE}")
-    parser.add_argument("--batches", type=int, default=400, help="of 2^16 rays; default 400")
+    parser.add_argument("--batches", type=int, default=800, help="of 2^16 rays; default 800")
     parser.add_argument("--rounds", type=int, default=5, help="default 5")
     parser.add_argument("--out", type=Path, help="directory for the printed text and the numbers")
     asked = parser.parse_args(arguments)

@@ -166,7 +166,7 @@ class Follower:
         first, n : int
             Number in that of the first ray, and how many.
         """
-        cl, queue, most = self._cl, self._device.queue, self._most
+        cl, queue = self._cl, self._device.queue
         base = batch * int(self._tables.launch["rays_per_batch"])
         for begin in range(first, first + n, self.at_once):
             m = min(self.at_once, first + n - begin)
@@ -179,10 +179,11 @@ class Follower:
             cl.enqueue_nd_range_kernel(queue, self._kernel, *apart(self._device, m))
             counts = np.empty((m, 2), np.int64)
             cl.enqueue_copy(queue, counts, self._counts)
-            reals, wholes = np.empty((m, most, REALS)), np.empty((m, most, WHOLES), np.int64)
-            cl.enqueue_copy(queue, reals, self._reals)
-            cl.enqueue_copy(queue, wholes, self._wholes)
-            used = np.arange(most) < counts[:, :1]
+            # of the room for each ray's segments what the longest one has taken
+            longest = max(int(counts[:, 0].max()), 1)
+            reals = self._begun(self._reals, np.empty((m, longest, REALS)))
+            wholes = self._begun(self._wholes, np.empty((m, longest, WHOLES), np.int64))
+            used = np.arange(longest) < counts[:, :1]
             before = np.cumsum(counts[:, 0]) - counts[:, 0]
             wholes[..., 3] += np.where(wholes[..., 3] >= 0, before[:, np.newaxis], 0)
             numbers = np.arange(base + begin, base + begin + m)
@@ -191,6 +192,17 @@ class Follower:
             none = np.empty((0, CELL), np.int64)
             yield RawPaths(ray, reals[used], wholes[used], cut, none)
         self._program.keep()
+
+    def _begun(self, buffer: cl.Buffer, into: NDArray[Any]) -> NDArray[Any]:
+        """Read the first segments of each ray, as many as an array holds."""
+        rays, segments, numbers = into.shape
+        row = 8 * segments * numbers
+        part: dict[str, Any] = {
+            "buffer_origin": (0, 0), "host_origin": (0, 0), "region": (row, rays),
+            "buffer_pitches": (8 * self._most * numbers,), "host_pitches": (row,),
+        }  # fmt: skip
+        self._cl.enqueue_copy(self._device.queue, into, buffer, **part)
+        return into
 
     def cells(self) -> NDArray[np.int64] | SparseTally:
         """Return the ledger's part of the tally of all that was followed."""

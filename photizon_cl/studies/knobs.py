@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["KNOBS", "Knob", "Option", "as_it_stands"]
 
 _FLOORS: Final = (0.0, 1e-6, 1e-3, 0.1)
+_SHARES: Final = (0.0, 0.25, 0.75)
+"""Parts of the scattered rays that are sent towards a scene's targets."""
 _ENDLESS: Final = 64
 """Generations beyond which splitting without roulette is not tried: it need not end."""
 
@@ -118,12 +120,26 @@ def _plain(scene: Scene, cap: int) -> Iterator[Option]:
         yield Option(names[part], part, "plain", "", scene, plain=frozenset({part}))
 
 
+def _importance(scene: Scene, cap: int) -> Iterator[Option]:
+    own = scene.importance
+    if own is None or not scene.scatters:
+        return
+    for share in _SHARES:
+        if share != own.fraction:
+            sent = dataclasses.replace(own, fraction=share)
+            changed = dataclasses.replace(scene, importance=sent)
+            written = f"importance.fraction = {json.dumps(share)}"
+            name = f"importance {share:g}" if share else "no importance"
+            yield Option(name, "importance.fraction", share, written, changed)
+
+
 KNOBS: Final[tuple[Knob, ...]] = (
     _precision,
     _roulette,
     _cap,
     _splitting,
     _batch,
+    _importance,
     _plain,
 )
 """What a study tries, in this order."""

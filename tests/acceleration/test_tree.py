@@ -41,16 +41,18 @@ _LARGE = 3000
 
 
 @pytest.mark.parametrize(
-    ("simple", "step"),
+    ("simple", "which"),
     [
-        pytest.param(True, 17, id="some, simple"),
-        pytest.param(True, 1, id="simple", marks=pytest.mark.slow),
-        pytest.param(False, 1, id="every kind", marks=pytest.mark.slow),
+        # 110 and 1207 elements, which have one program; fewer: test_trees_of_few_elements
+        pytest.param(True, slice(17, None, 17), id="some, simple"),
+        pytest.param(True, slice(None), id="simple", marks=pytest.mark.slow),
+        pytest.param(False, slice(None), id="every kind", marks=pytest.mark.slow),
     ],
 )
-def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple, step):
+def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple, which):
     hits = 0
-    for k, n in list(enumerate(SIZES))[::step]:
+    sizes = list(enumerate(SIZES))[which]
+    for k, n in sizes:
         if simple and n > _LARGE:
             continue  # as a slow test
         # few elements would make many programs: one lane, or planes and spheres, build fastest;
@@ -64,12 +66,12 @@ def test_fifty_random_scenes_have_the_bits_of_the_plain_scan(device, simple, ste
         assert fast == plain, f"{n} elements"
         hits += interactions
     assert len(SIZES) == 50
-    assert hits > 10_000 // step  # the scenes are not empty
+    assert hits > 200 * len(sizes)  # the scenes are not empty
 
 
 @pytest.mark.parametrize(
     ("lanes", "simple"),
-    # through a tree at 8 and 16 lanes, whatever is cached: tests/exact/test_digest_matrix.py
+    # through a tree at 8 lanes, whatever is cached: tests/exact/test_digest_matrix.py
     [pytest.param(16, True, marks=pytest.mark.slow)]
     + [pytest.param(lanes, False, marks=pytest.mark.slow) for lanes in (1, 2, 4, 8, 16)]
     + [pytest.param(lanes, True, marks=pytest.mark.slow) for lanes in (1, 2, 4)],
@@ -98,7 +100,9 @@ def test_rays_along_the_axes_far_away_tiny_and_huge(device, unit, away):
     # a beam down an axis: two components of every direction are 0, and rays run in sides of boxes;
     # of every kind the hits: test_tree_nodes.py
     scene = tiled_scene(600, seed=4, simple=True)
-    elements = elsewhere(scene.element, unit, away)
+    # without disks, whose every axis is text of its own
+    kept = [element for element in scene.element if not isinstance(element, pz.Disk)]
+    elements = elsewhere(kept, unit, away)
     beam = pz.CollimatedDisk(
         name="s", flux=1.0, position=(away, away, away), axis="+z", radius=0.9 * unit
     )
@@ -202,7 +206,7 @@ def test_the_tree_is_used_from_the_break_even_on(device):
     assert "acceleration" in compile_scene(many, RUN).effects
 
 
-@pytest.mark.parametrize("n", [1, 2, 5])
+@pytest.mark.parametrize("n", [1, 2, pytest.param(5, marks=pytest.mark.slow)])
 def test_trees_of_few_elements(device, n):
     scene = random_scene(n, seed=n, simple=True)
     assert digest(device, scene, True, 1)[0] == digest(device, scene, False, 8)[0]

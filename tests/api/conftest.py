@@ -11,6 +11,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scene"))
 # So are executors that misbehave, and scenes of plates.
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from narrow import four_lanes as four_lanes
 
 QUICK = 2048
 """Rays of a batch where a test asks for bookkeeping and not for accuracy."""

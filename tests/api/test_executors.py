@@ -120,8 +120,10 @@ def test_without_a_limit_silence_ends_too(right, monkeypatch):
     assert "the executor has not answered for" in lines[0]
 
 
-@pytest.mark.parametrize("times", [1, 9])
-@pytest.mark.parametrize("batch", [0, 4])
+@pytest.mark.parametrize(
+    ("batch", "times"),
+    [(0, 9), (4, 1), *(pytest.param(*p, marks=pytest.mark.slow) for p in ((0, 1), (4, 9)))],
+)
 def test_one_task_that_is_never_answered(batch, times, right):
     started = time.perf_counter()
     result, _ = traced(executors.LosingOne(batch, times), max_seconds=3)

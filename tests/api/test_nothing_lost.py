@@ -64,7 +64,14 @@ def test_a_run_into_a_directory_of_the_users_own_files(names, small, tmp_path, c
 
 
 @pytest.mark.usefixtures("few_figures")
-@pytest.mark.parametrize("name", [*NAMES, "figures/ledger.png", "figures/convergence.png"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *NAMES,
+        "figures/ledger.png",
+        pytest.param("figures/convergence.png", marks=pytest.mark.slow),
+    ],
+)
 def test_what_was_changed_since_is_the_users(name, small, tmp_path, capsys):
     small.save(tmp_path, figures="figures" in name)
     file = tmp_path / name

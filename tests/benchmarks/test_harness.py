@@ -119,7 +119,17 @@ FAST = ("lambertian-sphere",)
 """Presets that are traced in all modes every time: each is a program more."""
 
 
-@pytest.mark.parametrize("name", preset_names())
+LIKE_OTHERS = ("cassegrain", "square-lightpipe")
+"""Presets whose elements the baffled ones have as well, the telescope and the tube."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name in LIKE_OTHERS else ())
+        for name in preset_names()
+    ],
+)
 def test_a_preset_gives_its_stored_digest(name, device):
     # the bits are the same at every width, and narrow lanes build fastest
     made = digests.entry(device, name, default_plan(device.record, 4))

@@ -53,9 +53,10 @@ def test_expectations_are_those_of_both_children():
 @pytest.mark.parametrize(
     "changes",
     [
-        {"lanes": 8},
+        {"composition": "classical", "lanes": 8},
+        pytest.param({"lanes": 8}, marks=pytest.mark.slow),
         pytest.param({"lanes": 1}, marks=pytest.mark.slow),
-        {"composition": "classical"},
+        pytest.param({"composition": "classical"}, marks=pytest.mark.slow),
     ],
 )
 def test_the_bits_are_the_same_however_it_runs(changes):

@@ -52,7 +52,8 @@ def test_passing_is_no_interaction_and_brings_no_ray_nearer_to_the_cap():
 
 
 @pytest.mark.parametrize("choice", [
-    {}, {"lanes": 1}, {"composition": "classical"}, {"composition": "whole-path", "lanes": 1},
+    {}, pytest.param({"lanes": 1}, marks=pytest.mark.slow), {"composition": "classical"},
+    {"composition": "whole-path", "lanes": 1},
 ], ids=["packets", "one lane", "classical", "whole path"])  # fmt: skip
 def test_a_ray_that_passes_many_detectors_goes_on(choice):
     """Each records it: more than there is room for at once, which stops it on its way."""

@@ -53,7 +53,7 @@ def test_hits_that_tie_have_one_order_in_tree_and_scan() -> None:
     lamp = {"name": "s", "kind": "isotropic-point", "flux": 1.0, "position": [0, 0, 1.0]}
     g = np.random.default_rng(1)
     device = open_device()
-    for order in list(itertools.permutations("ABC")) * 20:
+    for order in list(itertools.permutations("ABC")) * 8:
         far = [plate(f"f{i}", 30.0 - 60.0 * (i % 2), float(g.uniform(-10, 10)), 0.3)
                for i in range(60)]  # fmt: skip
         a, c = g.uniform(-8.0, 8.0, 2)

@@ -81,18 +81,21 @@ def same(
 every_scene = pytest.mark.parametrize("name", SCENES)
 
 
-def wholly(name: str, *values: Any, rest: tuple[Any, ...] = ()) -> list[Any]:
+def wholly(name: str, *values: Any) -> list[Any]:
     """Return pairs of every scene and value; those are slow which are of another scene than `name`.
 
-    Each pair makes a program. What has code of its own at a width is in the named scene, and of the
-    others the values in `rest` are left in.
+    Each pair makes a program. What has code of its own at a width is in the named scene.
     """
-    pairs = [(scene, value) for scene in SCENES for value in values]
-    slow = [not (pair[0] == name or pair[1] in rest) for pair in pairs]
     return [
-        pytest.param(*pair, marks=pytest.mark.slow if is_slow else ())
-        for pair, is_slow in zip(pairs, slow, strict=True)
+        pytest.param(scene, value, marks=() if scene == name else pytest.mark.slow)
+        for scene in SCENES
+        for value in values
     ]
+
+
+def of_everything(*others: str) -> list[Any]:
+    """Return the scene of everything, and others as slow tests: each makes a program."""
+    return ["everything", *(pytest.param(name, marks=pytest.mark.slow) for name in others)]
 
 
 WIDE = [pytest.param(name, 16, marks=pytest.mark.slow) for name in SCENES]
@@ -100,7 +103,7 @@ NARROW = [pytest.param(name, 2, marks=pytest.mark.slow) for name in SCENES]
 
 # one run for each value of each choice; lanes 4 and 16 share these rows between them
 CHOICES: dict[str, dict[str, Any]] = {
-    "K = 1": {"max_bounces": 1, "batches": 3},
+    "K = 1": {"max_bounces": 1, "batches": 1},
     "K = 3, 7 items, refill all": {"max_bounces": 3, "items": 7, "refill": 4},
     "wave of half a batch": {"wave_rays": 1 << 10},
     "wave of two batches": {"wave_rays": 1 << 12, "items": 64},
@@ -134,7 +137,7 @@ def test_choices_at_4_lanes(name: str, choice: str) -> None:
     same(name, **CHOICES[choice])
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 8, rest=(8,)) + WIDE + NARROW)
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 8) + WIDE + NARROW)
 def test_lane_widths(name: str, lanes: int) -> None:
     same(name, lanes=lanes, refill=max(lanes // 4, 1), batches=3 if lanes == 1 else BATCHES)
 
@@ -146,23 +149,23 @@ def test_widest_and_scalar_with_other_choices(name: str, lanes: int) -> None:
     same(name, lanes=lanes, refill=3, batches=2, **plan)
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 4, rest=(4,)) + WIDE)
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 4) + WIDE)
 def test_classical_wavefront(name: str, lanes: int) -> None:
     same(name, composition="classical", lanes=lanes, batches=3)
 
 
-@pytest.mark.parametrize("name", ["ghost-ladder", "everything"])
+@pytest.mark.parametrize("name", of_everything("ghost-ladder"))
 def test_classical_wavefront_with_other_choices(name: str) -> None:
     same(name, composition="classical", wave_rays=1 << 10, items=7, batches=3)
     same(name, composition="classical", tally_copies=2, items=64, batches=3)
 
 
-@every_scene
+@pytest.mark.parametrize("name", of_everything(*SCENES[:3]))
 def test_whole_paths(name: str) -> None:
     same(name, composition="whole-path", lanes=1, stack_rays=2, wave_rays=1 << 12, batches=3)
 
 
-@pytest.mark.parametrize("name", ["integrating-sphere", "everything"])
+@pytest.mark.parametrize("name", of_everything("integrating-sphere"))
 def test_groups_of_64(name: str) -> None:
     same(name, local_size=64, items=64, lanes=1, batches=2)
 
@@ -206,13 +209,14 @@ def test_every_other_device_at_every_width(name: str, lanes: int) -> None:
 @pytest.mark.parametrize(
     ("name", "composition"),
     [
-        ("ghost-ladder", "packets"),
+        pytest.param("ghost-ladder", "packets", marks=pytest.mark.slow),
         ("ghost-ladder", "classical"),
         ("everything", "packets"),
         pytest.param("everything", "classical", marks=pytest.mark.slow),
     ],
 )
-def test_rays_in_turn_through_a_tree(name: str, composition: str) -> None:
+@pytest.mark.parametrize("widest", [8, pytest.param(16, marks=pytest.mark.slow)])
+def test_rays_in_turn_through_a_tree(name: str, composition: str, widest: int) -> None:
     """Splitting, roulette, records, small segments: rays change places wherever they can."""
     tables = everything() if name == "everything" else name
     made = compiled(
@@ -220,7 +224,8 @@ def test_rays_in_turn_through_a_tree(name: str, composition: str) -> None:
         frozenset({"acceleration"}),
         rays_per_batch=RAYS,
     )
-    for choices in ({"lanes": 8, "refill": 2}, {"lanes": 16, "max_bounces": 3, "stack_rays": 1}):
+    crowded = {"lanes": widest, "max_bounces": 3, "stack_rays": 1}
+    for choices in ({"lanes": 8, "refill": 2}, crowded):
         plan = BASE.with_(composition=composition, cached_bytes=1, items=7, **choices)
         run = trace_compiled(made, 3, plan=plan)
         assert [c.tobytes() for c in run.batches] == [c.tobytes() for c in base(name).batches[:3]]
@@ -264,7 +269,8 @@ def test_batches_far_down_the_stream() -> None:
     assert far.digest == again.digest
 
 
-@pytest.mark.parametrize("n", [7, 8, 9, 10])
+# each a program: 8 is the last in registers
+@pytest.mark.parametrize("n", [8, 9, *(pytest.param(n, marks=pytest.mark.slow) for n in (7, 10))])
 def test_registers_and_atomics_keep_the_same_ledger(n: int) -> None:
     """Elements beyond the register limit, never hit, change no row of the others."""
     black = {"kind": "rectangle", "axis": "+z", "half_width": 0.1, "half_height": 0.1}
@@ -291,11 +297,12 @@ def test_registers_and_atomics_keep_the_same_ledger(n: int) -> None:
 # the scene of everything, and each effect on the box room: tests/structure/test_contract_effects.py
 @pytest.mark.parametrize(
     ("name", "effect"),
-    wholly("ghost-ladder", "tilt", "contact", "acceleration")
+    # a tree for the ghost ladder is above
+    wholly("ghost-ladder", "tilt", "contact")
     + [
         pytest.param(name, effect, marks=pytest.mark.slow)
         for name in SCENES
-        for effect in ("roulette", "splitting", "shares")
+        for effect in ("acceleration", "roulette", "splitting", "shares")
     ],
 )
 def test_forcing_an_effect_changes_no_bit(name: str, effect: str) -> None:

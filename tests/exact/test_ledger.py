@@ -27,15 +27,13 @@ def test_every_preset_closes_with_a_low_cap(name: str) -> None:
     gates.closes(trace(name, batches=4, rays_per_batch=2048, generation_cap=3))
 
 
-# roulette is a program of its own; of those that are fast the curved, the flat and the splitting
+# roulette is a program of its own; the box room's is in test_a_busy_room_closes
 @pytest.mark.parametrize(
     "name",
     [
         pytest.param(
             name,
-            marks=()
-            if name in {"integrating-sphere", "box-room", "ghost-ladder"}
-            else pytest.mark.slow,
+            marks=() if name in {"integrating-sphere", "ghost-ladder"} else pytest.mark.slow,
         )
         for name in preset_names()
     ],
@@ -57,7 +55,8 @@ def test_a_busy_room_closes() -> None:
 
 def test_closure_over_a_long_run_of_tiny_weights() -> None:
     """Weights down to the smallest numbers: what rounding takes is nowhere lost."""
-    found = trace(scene_of([beam((0, 0, 0), "+z")], cube(mirror(0.5))), generation_cap=1200)
+    scene = scene_of([beam((0, 0, 0), "+z")], cube(mirror(0.5)))
+    found = trace(scene, rays_per_batch=1024, generation_cap=1200)
     assert found.depth_capped == 0
     assert found.closures() == [0]
     # from 2^-96 on the weights have no image; the walls still sum to all of it
@@ -65,8 +64,9 @@ def test_closure_over_a_long_run_of_tiny_weights() -> None:
     assert found.absorbed("element 4") + found.absorbed("element 5") == rays
 
 
-def test_ghost_ladder_at_a_million_rays() -> None:
-    gates.ghost_ladder(10**6)
+@pytest.mark.parametrize("rays", [10**5, pytest.param(10**6, marks=pytest.mark.slow)])
+def test_ghost_ladder_at_many_rays(rays: int) -> None:
+    gates.ghost_ladder(rays)
 
 
 def test_ghost_ladder_over_several_batches_and_roulette_off() -> None:

@@ -25,6 +25,18 @@ def pencil(position, towards, **more):
     return beam(tuple(position), "+z", PENCIL, tilt_deg=[a, b], **more)
 
 
+def some(firsts, *fast: str):
+    """Return all pairs with a rectangle or a disk: each makes a program, so all but few are slow.
+
+    A kernel has text of its own for each axis and each kind, whichever way a face looks.
+    """
+    pairs = [(f"{first}-{kind}", first, kind) for first in firsts for kind in ("rectangle", "disk")]
+    return [
+        pytest.param(first, kind, id=name, marks=() if name in fast else pytest.mark.slow)
+        for name, first, kind in pairs
+    ]
+
+
 def test_of_coincident_faces_the_first_named_is_hit() -> None:
     gates.first_named_is_hit()
 
@@ -41,8 +53,7 @@ def test_edges_corners_and_rims_are_hit() -> None:
     gates.edges_hold()
 
 
-@pytest.mark.parametrize("kind", ["rectangle", "disk"])
-@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize(("axis", "kind"), some(AXES, "+x-rectangle", "-y-disk", "+z-disk"))
 def test_coincident_flats_of_other_size_and_centre(kind: str, axis: str) -> None:
     """Overlapping faces in one plane: where both are, the first named is hit."""
     u, v = (np.array(tracer.axis_vector(name)) for name in tracer.FRAMES[axis])
@@ -105,12 +116,14 @@ def zero_thickness(ladder, rays: int) -> None:
             assert abs(share - Fraction(want)) < Fraction(want) * Fraction(1, 10**12)
 
 
-@pytest.mark.parametrize("axes", list(itertools.product(("+z", "-z"), repeat=2)))
-@pytest.mark.parametrize("kind", ["rectangle", "disk"])
+@pytest.mark.parametrize(
+    ("axes", "kind"),
+    some(["+z +z", "+z -z", "-z +z", "-z -z"], "+z +z-rectangle", "+z -z-disk"),
+)
 def test_a_plate_of_no_thickness_has_the_whole_ghost_ladder(kind: str, axes) -> None:
     """Two faces in contact: light goes to and fro between them at distance zero."""
     shape = {"half_width": 0.5, "half_height": 0.5} if kind == "rectangle" else {"radius": 0.5}
-    front, back = axes
+    front, back = axes.split()
     elements = [
         # glass lies behind the first face (seen from above) and above the second
         {"kind": kind, "axis": front, "position": [0, 0, 0], **shape}
@@ -128,7 +141,10 @@ def test_a_plate_of_no_thickness_has_the_whole_ghost_ladder(kind: str, axes) -> 
     assert found.escaped == 0
 
 
-@pytest.mark.parametrize("tilt", TILTS)
+# along the axes is another program
+@pytest.mark.parametrize(
+    "tilt", [pytest.param(tilt, marks=() if any(tilt) else pytest.mark.slow) for tilt in TILTS]
+)
 def test_a_plate_of_no_thickness_on_an_absorber(tilt) -> None:
     """What does not come through the two faces leaves again: 12/13 and 1/13."""
     surfaces = (glass(1.0, 1.5), glass(1.5), BLACK)  # met from behind
@@ -227,7 +243,12 @@ def test_a_closed_cube_keeps_rays_aimed_at_its_edges_and_corners(surface) -> Non
 
 
 @pytest.mark.parametrize("angle", [33.3, -71.0, 1e-7, 45.0])
-@pytest.mark.parametrize("surface", [mirror(), matt()], ids=["mirror", "lambertian"])
+@pytest.mark.parametrize(
+    "surface",
+    # in hard/test_corners.py matt walls are turned, too
+    [pytest.param(mirror(), id="mirror"),
+     pytest.param(matt(), id="lambertian", marks=pytest.mark.slow)],
+)  # fmt: skip
 def test_a_turned_cube_keeps_rays_aimed_at_its_edges(surface, angle: float) -> None:
     """Four walls turned about x share edges to rounding only; the ends are straight."""
     turn = np.array(tracer.frame({"axis": "+z", "tilt_deg": [angle, 0.0]}))
@@ -249,7 +270,12 @@ def test_a_turned_cube_keeps_rays_aimed_at_its_edges(surface, angle: float) -> N
     assert found.escaped == 0
 
 
-@pytest.mark.parametrize("surface", [mirror(), matt()], ids=["mirror", "lambertian"])
+@pytest.mark.parametrize(
+    "surface",
+    # mirrors on a larger floor: hard/test_leaks.py
+    [pytest.param(mirror(), id="mirror", marks=pytest.mark.slow),
+     pytest.param(matt(), id="lambertian")],
+)  # fmt: skip
 def test_walls_that_stand_on_a_larger_floor_leave_no_gap(surface) -> None:
     """A room of which floor and ceiling reach beyond the walls, rays aimed at all its edges."""
     walls = cube(surface)

@@ -70,8 +70,9 @@ def test_no_rounding_absorbs_less_than_nothing():
 
 
 @pytest.mark.parametrize("choice", [
-    {"composition": "classical"}, {"composition": "whole-path", "lanes": 1}, {"lanes": 1},
-    {"lanes": 16, "refill": 4}, {"max_bounces": 1, "stack_rays": 1},
+    {"composition": "classical"}, {"lanes": 1}, {"max_bounces": 1, "stack_rays": 1},
+    pytest.param({"composition": "whole-path", "lanes": 1}, marks=pytest.mark.slow),
+    pytest.param({"lanes": 16, "refill": 4}, marks=pytest.mark.slow),
 ])  # fmt: skip
 def test_the_same_bits_however_it_is_run(choice):
     walls = cube(mixed(0.3, 0.45))

@@ -74,10 +74,9 @@ def test_much_happens_in_the_scene() -> None:
         assert found.detector(name).count > 50
 
 
-# 8 are those of the classical wavefront, below
-@pytest.mark.parametrize(
-    "lanes", [1, *(pytest.param(lanes, marks=pytest.mark.slow) for lanes in (8, 16))]
-)
+# 8 are those of the classical wavefront, below; one, of every kind, in test_digest_matrix.py
+@pytest.mark.slow
+@pytest.mark.parametrize("lanes", [1, 8, 16])
 def test_lane_widths(lanes: int) -> None:
     same(scene(), lanes=lanes, refill=max(lanes // 4, 1))
 

@@ -44,7 +44,10 @@ def counter(position: Any, axis: str, radius: float) -> dict[str, Any]:
     return {**where, **BLACK, "detector": {}}
 
 
-@pytest.mark.parametrize("axis", AXES)
+# along z in all others below
+@pytest.mark.parametrize(
+    "axis", [pytest.param(a, marks=pytest.mark.slow if a[1] == "z" else ()) for a in AXES]
+)
 @pytest.mark.parametrize("scale", SCALES)
 def test_a_paraboloid_collects_a_beam_in_its_focus(scale: float, axis: str) -> None:
     """Every ray, in a disk of 10^-14 of the radius of curvature."""

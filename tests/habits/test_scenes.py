@@ -278,13 +278,26 @@ scene.element["target"].nothing
 """
 
 
+UNREAD = "".join(
+    f"[mypy-{name}.*]\nfollow_imports = skip\nfollow_imports_for_stubs = True\n"
+    for name in ("h5netcdf", "h5py", "mako", "matplotlib", "numpy", "pyopencl", "rich", "xarray")
+)
+
+
 def test_lists_pass_the_type_checker(tmp_path):
     mypy = pytest.importorskip("mypy.api")
     right, wrong = tmp_path / "right.py", tmp_path / "wrong.py"
+    # what is not ours is not read: its stubs are nine tenths of the work
+    config = tmp_path / "mypy.ini"
+    config.write_text(UNREAD)
     right.write_text(TYPED)
     wrong.write_text(TYPED + WRONG)
     said, _, _ = mypy.run(
-        ["--strict", "--config-file=", "--cache-dir", str(tmp_path / "c"), str(right), str(wrong)]
+        [
+            "--strict",
+            "--config-file",
+            *map(str, (config, "--cache-dir", tmp_path / "c", right, wrong)),
+        ]
     )
     errors = [line for line in said.splitlines() if "error:" in line and str(tmp_path) in line]
     assert not [line for line in errors if "right.py" in line]

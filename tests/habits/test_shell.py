@@ -165,9 +165,14 @@ def test_the_module_is_the_command(tmp_path):
 @pytest.mark.parametrize(
     ("line", "status"),
     [
-        ("$P check box-room --no-pilot >&-", 0),
+        pytest.param("$P check box-room --no-pilot >&-", 0, marks=pytest.mark.slow),
         ("$P presets box-room >&-", 0),
-        ("$P run box-room --batches 2 --rays-per-batch 1024 --json >&-", 0),
+        # the last has all three closed
+        pytest.param(
+            "$P run box-room --batches 2 --rays-per-batch 1024 --json >&-",
+            0,
+            marks=pytest.mark.slow,
+        ),
         ("$P check nothing >&-", 2),
         ("$P run box-room --batches 2 --rays-per-batch 1024 --out o --no-figures <&- >&- 2>&-", 0),
     ],
@@ -196,7 +201,9 @@ def of_80_columns(tmp_path_factory):
     return shell("$P check box-room --no-pilot", folder, COLUMNS="80").stdout
 
 
-@pytest.mark.parametrize("columns", ["0", "1", "-3", "wide"])
+@pytest.mark.parametrize(
+    "columns", ["0", *(pytest.param(c, marks=pytest.mark.slow) for c in ("1", "-3")), "wide"]
+)
 def test_columns_that_are_no_width(columns, of_80_columns, tmp_path):
     done = shell("$P check box-room --no-pilot", tmp_path, COLUMNS=columns)
     assert done.returncode == 0
@@ -204,8 +211,9 @@ def test_columns_that_are_no_width(columns, of_80_columns, tmp_path):
 
 
 def test_names_that_the_locale_cannot_write(tmp_path):
-    scene = pz.load("box-room").replace({"element.floor.name": "größe Ω", "title": "Räume"})
-    scene.save(tmp_path / "größe.toml")
+    # a map, whose figures have the name, and no ladder
+    names = {"element.floor.name": "größe Ω", "element.floor.detector": {"map": [4, 4]}}
+    pz.load("box-room").replace({**names, "title": "Räume"}).save(tmp_path / "größe.toml")
     quick = " ".join(QUICK)
     done = shell(f"$P run größe.toml {quick} --out outö", tmp_path, **C_LOCALE)
     assert done.returncode == 0, done.stderr

@@ -41,7 +41,6 @@ from photizon_cl.stability.measure import compile_elements
 
 SILVER, WHITE = Mirror(1.0), Lambertian(1.0)
 BOTH = {"mirrors": SILVER, "matt": WHITE}
-SURFACES = pytest.mark.parametrize("surface", BOTH.values(), ids=BOTH)
 TILTS = [(0.0, 0.0), (33.3, 0.0), (0.0, -71.7), (1e-8, 0.0), (89.999999, 0.0)]
 PLACES = [(1.0, 0.0), (1e-6, 0.0), (1e6, 1.3), (1e-6, 37.0), (1.0, 1e3)]
 """Size of a room, and its distance from the origin in that size."""
@@ -59,8 +58,7 @@ def test_no_ray_gets_through_where_walls_meet(kind: str, surface: Any) -> None:
         assert leaks(chamber, starts, along) == (0, 0, 0), (scale, away, tilt)
 
 
-@SURFACES
-@pytest.mark.parametrize("sides", [4, 7])
+@pytest.mark.parametrize(("sides", "surface"), alternately([4, 7], BOTH))
 def test_no_ray_gets_out_of_a_polyhedron_of_crossing_plates(sides: int, surface: Any) -> None:
     """Plates at all angles, each going on far beyond the edges."""
     r = np.random.default_rng([12, sides])
@@ -98,15 +96,31 @@ def test_a_wedge_leaks_where_its_edges_do_not_know_their_angle(
     assert lost > 0
 
 
-@SURFACES
+CUTS = {
+    "level": ((0.0, 0.0), 0.0), "tilted": ((21.0, -34.0), 0.9),
+    "at the top": ((21.0, -34.0), 0.999999),
+}  # fmt: skip
+"""Tilt of a plate in a ball and its height over the centre in radii."""
+
+
 @pytest.mark.parametrize(
-    ("tilt", "height"), [((0.0, 0.0), 0.0), ((21.0, -34.0), 0.9), ((21.0, -34.0), 0.999999)]
+    ("shape", "cut", "surface"),
+    [
+        pytest.param(
+            shape,
+            cut,
+            surface,
+            id=f"{shape}-{cut}-{name}",
+            marks=pytest.mark.slow if (n + k + m) % 2 else (),
+        )
+        for n, shape in enumerate(("disk to the wall", "plate through the wall"))
+        for k, cut in enumerate(CUTS)
+        for m, (name, surface) in enumerate(BOTH.items())
+    ],
 )
-@pytest.mark.parametrize("shape", ["disk to the wall", "plate through the wall"])
-def test_no_ray_gets_past_a_plate_in_a_ball(
-    shape: str, height: float, tilt: tuple[float, float], surface: Any
-) -> None:
+def test_no_ray_gets_past_a_plate_in_a_ball(shape: str, cut: str, surface: Any) -> None:
     """Aimed at the circle where plate and ball meet: it stays on its side of both."""
+    tilt, height = CUTS[cut]
     r = np.random.default_rng(13)
     w = np.array(frame("+z", tilt))
     for scale, away in PLACES[:4]:
@@ -138,7 +152,10 @@ def test_no_ray_gets_past_a_plate_in_a_ball(
         assert (int(escaped.sum()), int((heights > 512 * U * far).sum())) == (0, 0), (scale, away)
 
 
-@SURFACES
+@pytest.mark.parametrize(
+    "surface",
+    [pytest.param(SILVER, id="mirrors"), pytest.param(WHITE, id="matt", marks=pytest.mark.slow)],
+)
 def test_rays_from_a_face_along_its_edges_stay_inside(surface: Any) -> None:
     """Started on a face, 0 to 1e-6 from its edges: along the edge, in the face, and diagonally."""
     r = np.random.default_rng(14)
@@ -224,12 +241,12 @@ def test_walls_that_stand_far_apart_in_the_file() -> None:
     # apart from each other, too: what lies at one place are neighbours by the million
     between = (
         Rectangle(
-            name="away", position=(1.7 * size, 0.003 * size * y, 0.003 * size * z), axis="+x",
-            half_width=0.001 * size, half_height=0.001 * size, surface=SILVER,
+            name=f"away {y} {z}", axis="+x", half_width=0.001 * size, half_height=0.001 * size,
+            position=(1.7 * size, 0.003 * size * y, 0.003 * size * z), surface=SILVER,
         )
         for y in range(-100, 100) for z in range(-100, 100)
     )  # fmt: skip
     apart = [e for wall in chamber.elements for e in (wall, *islice(between, 2047))]
     assert next(between, None) is not None  # there were enough
     starts, along = rays_at_edges(r, chamber, RAYS)
-    assert leaks(replace(chamber, elements=named(apart)), starts, along) == (0, 0, 0)
+    assert leaks(replace(chamber, elements=tuple(apart)), starts, along) == (0, 0, 0)

@@ -59,5 +59,6 @@ def test_no_ray_gets_through_where_glass_meets_a_wall(kind: str, reflected: bool
         assert leaks_of(region, starts, along, reflected=reflected) == (0, 0), PLACES[number]
 
 
+@pytest.mark.slow  # tests/mutants asserts it before it breaks anything
 def test_the_gate_of_the_mutants_holds() -> None:
     gates.curved_corners_hold()

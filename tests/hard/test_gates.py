@@ -166,7 +166,11 @@ def test_scale_changes_nothing(tilt: tuple[float, float]) -> None:
         assert other.interactions == plain.interactions
 
 
-@pytest.mark.parametrize("tilt", [LEVEL, LEAN], ids=["level", "tilted"])
+# what rounding may decide is more where faces are tilted
+@pytest.mark.parametrize(
+    "tilt",
+    [pytest.param(LEVEL, marks=pytest.mark.slow, id="level"), pytest.param(LEAN, id="tilted")],
+)
 def test_a_scene_a_million_sizes_away_is_the_same(tilt: tuple[float, float]) -> None:
     plain = run(nothing, tilt)
     for by in ((2.0**22, 0.0, 0.0), (-(2.0**22), 2.0**23, 2.0**22)):

@@ -26,12 +26,19 @@ CAP = 2000
 
 
 def bodies() -> list[Any]:
-    """Return every body's name with mirrors or matt walls in turn; the others are slow tests."""
+    """Return every body's name with mirrors or matt walls in turn; the others are slow tests.
+
+    So are bodies whose joints are in test_curved_corners.py as well.
+    """
     names = list(closed_bodies())
     half = len(names) // 2  # the same bodies follow with the other walls
-    return [
-        pytest.param(name, marks=pytest.mark.slow if (n % half + n // half) % 2 else ())
+    slow = [
+        (n % half + n // half) % 2 or name.startswith(("cylinder,", "frustum", "paraboloid"))
         for n, name in enumerate(names)
+    ]
+    return [
+        pytest.param(name, marks=pytest.mark.slow if is_slow else ())
+        for name, is_slow in zip(names, slow, strict=True)
     ]
 
 

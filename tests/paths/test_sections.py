@@ -75,7 +75,7 @@ def test_curves_lie_on_the_element_and_in_the_plane(number, tilt):
                 found += 1
                 assert len(line) >= 2
                 assert np.abs(line[:, axis] - at).max() < 1e-12
-                for point in line[:: max(len(line) // 60, 1)]:
+                for point in line[:: max(len(line) // 20, 1)]:
                     assert element.touches(element.local(tuple(point)), 1e-9)
     assert found > 3
 
@@ -247,7 +247,7 @@ def test_every_face_crosses_every_section_that_cuts_it(number):
                 along = crossings(world, heights)
                 points = np.vstack([along, crossings(world.swapaxes(0, 1), heights.T)])
                 assert len(points)
-                points = points[:: max(len(points) // 50, 1)]
+                points = points[:: max(len(points) // 25, 1)]
                 lines = cut(element, across, float(at))
                 assert lines, (face.name, axis, tilt, "xyz"[across])
                 gap = np.min([distance(points, line) for line in lines if len(line) > 1], axis=0)

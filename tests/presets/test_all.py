@@ -7,6 +7,8 @@ import pytest
 import photizon_cl as pz
 from photizon_cl.scene.presets import preset_names, presets
 
+pytestmark = pytest.mark.usefixtures("one_lane")
+
 NEW = (
     "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
     "baffled-telescope", "absorbing-cuvette",

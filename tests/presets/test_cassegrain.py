@@ -9,6 +9,8 @@ import pytest
 
 import photizon_cl as pz
 
+pytestmark = pytest.mark.usefixtures("one_lane")
+
 
 @pytest.fixture(scope="module")
 def star() -> pz.Result:

@@ -11,6 +11,8 @@ import pytest
 import photizon_cl as pz
 from benchmarks.telescope import DETECTOR, in_reverse, star_at
 
+pytestmark = pytest.mark.usefixtures("one_lane")
+
 SEEN = (100.0**2 - 30.0**2) / 102.0**2
 """Part of the beam between cap and rim."""
 

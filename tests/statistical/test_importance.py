@@ -16,6 +16,8 @@ from oracles.statistics import sidak, z_limit
 import photizon_cl as pz
 from benchmarks.aimed_scenes import TEN, plain
 
+pytestmark = pytest.mark.usefixtures("one_lane")
+
 FALSE_ALARM = 1e-6
 LEVEL = sidak(FALSE_ALARM, 2 * len(TEN))
 POWER = "detectors.sensor.power"

@@ -20,6 +20,8 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result import keyed_sums
 from photizon_cl.result.statistics import complete
 
+pytestmark = pytest.mark.usefixtures("one_lane")
+
 BLACK = {"surface": {"kind": "absorber"}}
 SENSOR = {
     "name": "sensor", "kind": "rectangle", "position": [0, 0, 1], "axis": "-z",

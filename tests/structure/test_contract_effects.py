@@ -128,9 +128,19 @@ def forced_on(name, force):
     return asked
 
 
+ALONE = ("acceleration", "contact", "coincidence", "choice")
+"""Effects that others lean on, forced on by themselves; all of them together are below."""
+
+
 # all at once in a scene of everything below
 @pytest.mark.parametrize("name", [pytest.param("everything", marks=pytest.mark.slow), PLAIN[0]])
-@every_effect
+@pytest.mark.parametrize(
+    "effect",
+    [
+        pytest.param(e, id=e.name, marks=() if e.name in ALONE else pytest.mark.slow)
+        for e in EFFECTS
+    ],
+)
 def test_an_effect_that_is_forced_on_changes_no_bit(effect, name):
     forced_on(name, frozenset({effect.name}))
 

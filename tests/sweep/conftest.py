@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -13,17 +15,35 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from tubes import WIDE, a_sweep
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@contextmanager
+def _narrow() -> Iterator[None]:
+    """Do as `one_lane` does, for what is made once for all modules."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hostcode.run.usual.preferred_lanes", lambda *_: 1)
+        yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _one_lane(one_lane: None) -> None:
+    """Have all sweeps of the directory take one lane."""
+
 
 @pytest.fixture(scope="session")
 def swept() -> pz.Sweep:
     """Return twelve angles, 0 among them, in memory."""
-    return pz.sweep(a_sweep())
+    with _narrow():
+        return pz.sweep(a_sweep())
 
 
 @pytest.fixture(scope="session")
 def _kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sweeps") / "kept"
-    pz.sweep(a_sweep(WIDE), out=folder)
+    with _narrow():
+        pz.sweep(a_sweep(WIDE), out=folder)
     return folder
 
 

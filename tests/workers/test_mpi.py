@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import subprocess
-import sys
 import time
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 import photizon_cl as pz
+from benchmarks.mpi import Mpi, NoMpiError
 from photizon_cl.run.checkpoint import latest
 
 RUN = ["run", "cosine-fourth", "--rays-per-batch", "512"]
@@ -25,46 +23,20 @@ LONG = ["run", "cosine-fourth", "--rays-per-batch", "65536", "--batches", "10000
 @pytest.fixture(scope="module")
 def mpi(tmp_path_factory):
     """Return a function that starts ranks; skips where there is no MPI to be had."""
-    mpiexec = shutil.which("mpiexec", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
-    if mpiexec is None:
-        pytest.skip("mpiexec is not installed: `apt install mpich`")
-    if find_spec("mpi4py") is None:
-        pytest.skip("mpi4py is not installed")
-    said = subprocess.run([mpiexec, "--version"], capture_output=True, text=True, check=False)
-    open_mpi = "Open MPI" in said.stdout or "OpenRTE" in said.stdout
-    flags = ["--oversubscribe"] if open_mpi else []
-    # Debian names MPICH's library otherwise than all that was linked elsewhere asks for.
-    names = tmp_path_factory.mktemp("mpi")
-    for library in Path("/usr/lib").glob("*/libmpich.so.12"):
-        (names / "libmpi.so.12").symlink_to(library)
-        break
-    libraries = [str(names), *filter(None, [os.environ.get("LD_LIBRARY_PATH")])]
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(sys.path),
-        "LD_LIBRARY_PATH": os.pathsep.join(libraries),
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    }
+    try:
+        found = Mpi(tmp_path_factory.mktemp("mpi"))
+    except NoMpiError as error:
+        pytest.skip(str(error))
 
     def start(ranks, *arguments, command=("-m", "photizon_cl")):
         return subprocess.Popen(
-            [
-                mpiexec, "-n", str(ranks), *flags, sys.executable, "-m", "mpi4py.futures",
-                *command, *arguments,
-            ],
-            env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            found.command(ranks, *command, *arguments),
+            env=found.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, text=True, start_new_session=True,
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )  # fmt: skip
 
-    loads = subprocess.run(
-        [sys.executable, "-c", "import mpi4py.MPI"], env=environment, capture_output=True,
-        text=True, check=False,
-    )  # fmt: skip
-    if loads.returncode:
-        pytest.skip(f"mpi4py does not load: {loads.stderr.strip().splitlines()[-1]}")
-    start.open_mpi = open_mpi
+    start.open_mpi = found.is_open_mpi
     return start
 
 

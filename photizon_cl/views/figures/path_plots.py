@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.ghosts import Ghosts
-    from photizon_cl.result.path_table import PathRow, PathTable
+    from photizon_cl.result.path_rows import PathRow
+    from photizon_cl.result.path_table import PathTable
 
 __all__ = ["MOST_FACES", "draw_ghosts", "draw_paths"]
 
