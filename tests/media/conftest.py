@@ -6,3 +6,5 @@ import sys
 _tests = str(pathlib.Path(__file__).resolve().parents[1])
 if _tests not in sys.path:
     sys.path.insert(0, _tests)
+
+from narrow import four_lanes as four_lanes  # noqa: E402
