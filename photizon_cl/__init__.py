@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.far_field import FarField as FarField
     from photizon_cl.scene.files import load as load
     from photizon_cl.scene.importance import Importance as Importance
+    from photizon_cl.scene.media.medium import Medium as Medium
     from photizon_cl.scene.model import Scene as Scene
     from photizon_cl.scene.presets import presets as presets
     from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
@@ -86,6 +87,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "RunSettings": "photizon_cl.scene.settings",
     "FarField": "photizon_cl.scene.far_field",
     "Importance": "photizon_cl.scene.importance",
+    "Medium": "photizon_cl.scene.media.medium",
     "Detector": "photizon_cl.scene.detectors.detector",
     # what can go wrong
     "PhotizonError": "photizon_cl.errors",

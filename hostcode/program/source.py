@@ -150,6 +150,7 @@ def program_source(spec: ProgramSpec) -> str:
         "keyed": spec.keyed,
         "passes": spec.passes,
         "orders": spec.orders,
+        "ends": spec.ends,
         "densities": spec.densities,
         "hooks": _hooks(spec),
         "interleaved": spec.interleaved,

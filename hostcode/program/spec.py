@@ -226,6 +226,8 @@ class EffectParts:
         Whether each ray is searched for by itself, so that packets have one lane.
     orders : bool
         Whether a second search puts faces in one place in order (kernels/lib/nearest.mako).
+    ends : bool
+        Whether its statements at ``travel`` may end a ray on its way.
     densities : bool
         Whether it asks surfaces for the density of what they scatter.
     parameters : tuple of (str, int)
@@ -247,6 +249,7 @@ class EffectParts:
     keyed: bool = False
     one_by_one: bool = False
     orders: bool = False
+    ends: bool = False
     densities: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
 
@@ -407,6 +410,11 @@ class ProgramSpec:
     def orders(self) -> bool:
         """Whether a second search puts faces in one place in order."""
         return any(part.orders for part in self.parts)
+
+    @property
+    def ends(self) -> bool:
+        """Whether a ray may end between two faces."""
+        return any(part.ends for part in self.parts)
 
     @property
     def densities(self) -> bool:

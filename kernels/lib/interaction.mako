@@ -1,4 +1,4 @@
-## records, splits, hooks
+## records, splits, ends (whether a ray may end on its way), hooks
 ##
 ## What the statements of effects find in scope.  Everywhere `launch`, the launch structure with the
 ## effect's own members, and `ledger`; types are those of event.mako, limbs.mako and ledger.mako, and a
@@ -6,7 +6,7 @@
 ## is said.
 ##
 ##   travel   (in interact) scene; p: the packet at the start of the segment, with its weight before (w may be
-##            written, what it loses booked); h: what it meets, h->found the lanes that meet a face, h->t the length of
+##            written, what it loses booked, and alive by an effect that `ends` rays on their way); h: what it meets, h->found the lanes that meet a face, h->t the length of
 ##            the segment in m; c: the contact, point, normal and side, of the lanes in h->found;
 ##            records and n_records.  `child` is not set yet.
 ##   surface  (in shade) scene, p, h and c as before, p not yet moved on; found: lanes that meet a face;
@@ -38,9 +38,19 @@
 FN void interact(const launch_t *launch, const scene_t *scene, const records_t *records, ulong *n_records,
                  ledger_t *ledger, packet_t *p, const hit_t *h, contact_t *c, packet_t *child) {
     locate(scene, p, h, c);
+% if ends:
+    const mask set_out = p->alive;
+% endif
 % for statement in hooks["travel"]:
 ${statement}
 % endfor
+% if ends:
+    // what ended on its way meets nothing
+    c->lost = set_out & ~p->alive;
+    hit_t reached = *h;
+    reached.found &= ~c->lost;
+    h = &reached;
+% endif
     ending_t end;
     const mask met = shade(launch, scene, p, h, c, ledger, &end, child);
 % if records:

@@ -1,4 +1,4 @@
-## effects, classes, splits, orders; ray_struct (text of members); hit_fields; columns, strides;
+## effects, classes, splits, orders, ends; ray_struct (text of members); hit_fields; columns, strides;
 ## code (fields of a code); counts (of notes)
 // The ray packet and the surface hit.
 
@@ -41,6 +41,9 @@ typedef struct {
     mask inner;       // a detector counts it as on the - side, wherever it came from
     mask from_minus;  // came from the - side whatever the rounding of d.n says
     mask from_plus;   // came from the + side whatever it says
+% if ends:
+    mask lost;        // ended on its way there
+% endif
 } contact_t;
 
 // A contact at a distance along a ray, before its face is asked.

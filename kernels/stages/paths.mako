@@ -4,9 +4,9 @@
 // reads: scene tables, launch.  uses: a queue segment a ray for the children that wait.
 // writes: segments, `counts` (segments of the ray, and 1 where `capacity` cut it short), the tally.
 //
-// A segment: start (3), end (3; the direction where it escapes), weight; path, generation, element (-1
-// where it escapes), the ray's segment that it continues (-1 for a launched ray), whether it begins a
-// line of its own, how it ends, and the face that it ends on (-1 where it escapes).
+// A segment: start (3), end (3; the direction where it meets nothing), weight; path, generation, element (-1
+// where it meets none), the ray's segment that it continues (-1 for a launched ray), whether it begins a
+// line of its own, how it ends, and the face that it ends on (-1 where it meets none).
 #define GOES_ON 0L
 #define ABSORBED 1L
 #define ESCAPED 2L
@@ -62,6 +62,12 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         packet_t child;
         interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, &child);
         long ending = ESCAPED;
+% if ends:
+        if (contact.lost) {
+            ending = ABSORBED;
+            hit.found = NO_LANES;
+        }
+% endif
         if (hit.found) {
             real_of[3] = p.ox; real_of[4] = p.oy; real_of[5] = p.oz;
             // what a surface sends on has weight; it may end before it starts

@@ -14,6 +14,7 @@ from photizon_cl.checks.precision import DEFAULT, mode_of
 from photizon_cl.scene.elements.base import OTHER_SIDE
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
+from photizon_cl.scene.media.names import named_by
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -50,6 +51,7 @@ def advisories(scene: Scene, precision: str = DEFAULT) -> list[str]:
     found += lost_gaps(scene, roundoff)
     found += coarse_directions(scene, roundoff)
     found += idle_importance(scene)
+    found += _idle_media(scene)
     found += _capped_cavities(scene)
     found += _surfaces(scene)
     return found
@@ -128,6 +130,19 @@ def _is_behind(element: Element, source: Source) -> bool:
     return face.hidden(local, source.reach, plus=plus, passed=passed)
 
 
+def _idle_media(scene: Scene) -> Iterator[str]:
+    """Find media that nothing names."""
+    if not scene.medium:
+        return
+    used = {name for thing in (*scene.source, *scene.element) for name in named_by(thing)}
+    for medium in scene.medium:
+        if medium.name not in used:
+            yield (
+                f'medium "{medium.name}": nothing is made of it; a surface names it as its medium '
+                "or medium_outside, a source as its medium"
+            )
+
+
 def _capped_cavities(scene: Scene) -> Iterator[str]:
     for element in scene.element:
         wall, again = element.sole_face, element.self_view_factor
@@ -149,8 +164,8 @@ def _capped_cavities(scene: Scene) -> Iterator[str]:
 
 
 def _surfaces(scene: Scene) -> Iterator[str]:
-    for element in scene.element:
-        for text in element.surface.advice():
+    for element, surface in zip(scene.element, scene.optics, strict=True):
+        for text in surface.advice():
             yield f'element "{element.name}" {text}'
     splitters = [e.name for e in scene.element if e.surface.splits] if scene.splits() else []
     reflectors = [e.name for e in scene.element if e.surface.reflects and not e.surface.transmits]

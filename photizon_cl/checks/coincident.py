@@ -11,11 +11,12 @@ from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.planes import PlaneFaces, lies_within
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from photizon_cl.geometry.coincidence import Shared
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["coincident_faces"]
 
@@ -35,6 +36,7 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
     elements = _distinct(scene)
     near = Neighbours(elements)
     planes = PlaneFaces(elements)
+    optics = dict(zip(scene.element.names, scene.optics, strict=True))
     counts = np.array([e.surface.counts for e in elements], bool)
     glass = np.array([e.surface.refracts for e in elements], bool)
     covered = np.zeros(len(elements), bool)
@@ -61,9 +63,9 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
         if len(told) > _NAMED:
             continue
         if glass[i] and glass[j]:
-            yield _film(one, other, pair) if pair.opposed else _nested(one, other)
+            yield _film(one, other, pair, optics) if pair.opposed else _nested(one, other)
         else:
-            yield _on_glass(pair, *((one, other) if glass[i] else (other, one)))
+            yield _on_glass(pair, *((one, other) if glass[i] else (other, one)), optics)
     if len(told) > _NAMED:
         yield f"{len(told) - _NAMED} more pairs of elements have refracting faces in one place"
     if looked >= _LOOKED:
@@ -110,14 +112,21 @@ def _covered(planes: PlaneFaces, pair: Shared, one: Element, other: Element) -> 
     )
 
 
-def _indices(element: Element) -> tuple[float, float]:
-    indices = element.surface.indices
+def _indices(element: Element, optics: Mapping[str, Surface]) -> tuple[float, float]:
+    indices = optics[element.name].indices
     assert indices is not None  # it refracts
     return indices
 
 
-def _film(one: Element, other: Element, pair: Shared) -> str:
-    (_, outside), (index, apart) = _indices(one), _indices(other)
+def _outside_is(element: Element, index: float) -> str:
+    """Return what makes the inside of an element, of some index, the outside of another."""
+    if element.surface.media is None:
+        return f"index_outside = {index:g}"
+    return f'medium_outside = "{element.surface.media[0]}"'
+
+
+def _film(one: Element, other: Element, pair: Shared, optics: Mapping[str, Surface]) -> str:
+    (_, outside), (index, apart) = _indices(one, optics), _indices(other, optics)
     text = (
         f'elements "{one.name}" and "{other.name}" '
         + ("touch" if pair.point else "have faces in one place")
@@ -134,7 +143,7 @@ def _film(one: Element, other: Element, pair: Shared) -> str:
         return text
     if one.flat and other.flat:  # a body has one surface for all its faces
         return text + (
-            f'; to cement them, give "{one.name}" index_outside = {index:g} and make '
+            f'; to cement them, give "{one.name}" {_outside_is(other, index)} and make '
             f'"{other.name}" clear'
         )
     return text
@@ -148,8 +157,8 @@ def _nested(one: Element, other: Element) -> str:
     )
 
 
-def _on_glass(pair: Shared, glass: Element, plain: Element) -> str:
-    inside, outside = _indices(glass)
+def _on_glass(pair: Shared, glass: Element, plain: Element, optics: Mapping[str, Surface]) -> str:
+    inside, outside = _indices(glass, optics)
     text = (
         f'element "{plain.name}" {"touches" if pair.point else "lies on"} the glass of '
         f'"{glass.name}": light inside leaves that first and passes a film of index {outside:g} '
@@ -159,5 +168,5 @@ def _on_glass(pair: Shared, glass: Element, plain: Element) -> str:
         return text  # a body has one surface for all its faces
     return text + (
         f'; where it is meant to touch the glass without a film, give "{glass.name}" '
-        f"index_outside = {inside:g}"
+        f"{_outside_is(glass, inside)}"
     )

@@ -80,6 +80,13 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
     if scene.importance is not None:
         line(f"importance: {_describe(scene.importance)}")
     line(f"memory: {_memory(compiled)}")
+    if scene.medium:
+        out.print()
+        out.print(Text("media, by name", "bold"))
+    for medium in scene.medium:
+        line(f"{medium.name}: {_describe(medium)}")
+        if medium.derived():
+            line(_derived(medium), "    ")
     out.print()
     out.print(Text("sources", "bold"))
     for source, rays in zip(scene.source, compiled.rays_of_source, strict=True):
@@ -132,11 +139,11 @@ def _pilot(scene: Scene, precision: str) -> tuple[list[str], list[str]]:
     from photizon_cl.errors import PhotizonError
     from photizon_cl.run.media import clashing_media
     from photizon_cl.run.outlay import outlay
-    from photizon_cl.run.pilot import pilot
+    from photizon_cl.run.pilot import counted_by_pilot, pilot
 
     try:
         found = pilot(scene, precision=precision)
-        clashes = clashing_media(scene)
+        clashes = [*counted_by_pilot(scene, precision=precision), *clashing_media(scene)]
     except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
         return [f"pilot: none was traced: {str(error) or 'no memory is left for it'}"], []
     time = None

@@ -50,9 +50,9 @@ def call(arguments: argparse.Namespace) -> int:
 
 def _groups() -> dict[str, Group]:
     """Return the kinds of each group, by what the group's members are called."""
-    from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
+    from photizon_cl.scene.registry import DETECTORS, ELEMENTS, MEDIA, SOURCES, SURFACES
 
-    groups: tuple[Group, ...] = (SOURCES, ELEMENTS, SURFACES, DETECTORS)
+    groups: tuple[Group, ...] = (SOURCES, ELEMENTS, SURFACES, DETECTORS, MEDIA)
     return {next(iter(group.values())).label: group for group in groups}
 
 
@@ -152,9 +152,9 @@ def _kept_together(text: str) -> str:
 
 def _default(cls: type[Described], name: str) -> str | None:
     """Return a parameter's default as a scene file has it; None where it is required."""
-    from photizon_cl.scene.described import Described, default_of
+    from photizon_cl.scene.described import Described, shown_default
 
-    value = default_of(cls, name)
+    value = shown_default(cls, name)
     if value is dataclasses.MISSING:
         return None
     if isinstance(value, Described):

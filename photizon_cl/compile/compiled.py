@@ -156,7 +156,7 @@ def compile_scene(
         scene,
         [row for effect, _ in used for row in effect.rows(scene)],
         [
-            (e.name, shape, e.labels(scene), e.unit, e.scale(scene))
+            (e.name, shape, e.labels(scene), e.unit, e.scale(scene), e.counted_as)
             for e, _ in used
             if (shape := e.cells(scene))
         ],
@@ -188,7 +188,7 @@ def compile_scene(
         parts=tuple(parts),
         columns=columns(kinds, effects, stride),
         strides=stride,
-        ledger=tuple(row.name for row in layout.rows),
+        ledger=tuple(row.macro or row.name for row in layout.rows),
         n_elements=len(scene.element) if kinds.few(MAX_REGISTER_ELEMENTS) else 0,
         real=mode.real,
         weight=mode.weight,

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
 
 __all__ = [
+    "ABSORBED_IN",
     "MOST_ABSORBING",
     "ROWS",
     "CellGroup",
@@ -28,6 +29,9 @@ __all__ = [
 MOST_ABSORBING: Final = 1024
 """Elements of a scene of which each one's absorbed power is kept batch by batch."""
 
+ABSORBED_IN: Final = "absorbed_in"
+"""The group of the ledger's rows that have what media absorb."""
+
 
 @dataclass(frozen=True)
 class LedgerRow:
@@ -36,19 +40,22 @@ class LedgerRow:
     Parameters
     ----------
     name : str
-        ``ROW_<NAME>`` in the kernels.
+        ``ROW_<NAME>`` in the kernels; ``group.row`` where it is one of several.
     sign : int
         How it counts in the balance: 1 where emitted weight ended, −1 where weight was added.
     title : str
         What people call it.
     signed : bool
         Whether it may be negative: weight that comes and goes.
+    macro : str
+        ``ROW_<MACRO>`` in the kernels instead, where the name holds what a person chose.
     """
 
     name: str
     sign: int
     title: str
     signed: bool = False
+    macro: str = ""
 
 
 ROWS: Final[tuple[LedgerRow, ...]] = (
@@ -157,6 +164,8 @@ class CellGroup:
         Of what they show.
     scale : float
         What a counted 1 stands for, in `unit` per watt.
+    counted_as : str
+        What the summary calls the number of all that they counted; empty where it does not.
 
     Raises
     ------
@@ -170,6 +179,7 @@ class CellGroup:
     labels: tuple[str, ...] = ()
     unit: str = "W"
     scale: float = 1.0
+    counted_as: str = ""
 
     def __post_init__(self) -> None:
         """See that no cell would be shown under another's label."""
@@ -327,7 +337,7 @@ class TallyLayout:
 def lay_out(
     scene: Scene,
     rows: Iterable[LedgerRow] = (),
-    groups: Iterable[tuple[str, tuple[int, ...], tuple[str, ...], str, float]] = (),
+    groups: Iterable[tuple[str, tuple[int, ...], tuple[str, ...], str, float, str]] = (),
 ) -> TallyLayout:
     """Give every quantity of a scene its cells.
 
@@ -337,8 +347,9 @@ def lay_out(
         Whose elements and detectors.
     rows : iterable of LedgerRow
         That effects add to the ledger.
-    groups : iterable of (str, tuple of int, tuple of str, str, float)
-        Effect, shape, labels, unit and scale of the cells that effects bring, see `CellGroup`.
+    groups : iterable of (str, tuple of int, tuple of str, str, float, str)
+        Effect, shape, labels, unit, scale and name of the count of the cells that effects bring,
+        see `CellGroup`.
     """
     named = (*ROWS, *rows)
     cell = len(scene.element) + len(named)
@@ -355,7 +366,7 @@ def lay_out(
         paths = element.detector.paths or 0
         found.append(DetectorCells(n, power, tuple(tallies), paths))
     brought = []
-    for effect, shape, labels, unit, scale in groups:
-        brought.append(CellGroup(effect, cell, shape, labels, unit, scale))
+    for effect, shape, labels, unit, scale, counted_as in groups:
+        brought.append(CellGroup(effect, cell, shape, labels, unit, scale, counted_as))
         cell += brought[-1].size
     return TallyLayout(len(scene.element), named, tuple(found), tuple(brought), cell + 1)

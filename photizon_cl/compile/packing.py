@@ -284,10 +284,10 @@ def material_table(scene: Scene, stride: Strides) -> tuple[list[float], list[int
     """Rows of the distinct surfaces, and where in them each element's begins."""
     rows: dict[tuple[str, tuple[float, ...]], int] = {}
     of_element = []
-    for element in scene.element:
-        packed = element.surface.row.pack(element.surface.packed())
+    for surface in scene.optics:
+        packed = surface.row.pack(surface.packed())
         padded = (*packed, *(0.0,) * (stride.material - len(packed)))
-        key = (element.surface.kind, padded)
+        key = (surface.kind, padded)
         of_element.append(rows.setdefault(key, len(rows) * stride.material))
     return [x for _, row in rows for x in row], of_element
 

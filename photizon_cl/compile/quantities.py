@@ -1,7 +1,8 @@
 """Quantities by name: what ``target_on``, comparisons and sweeps ask for.
 
 ``ledger.escaped``, ``ledger.depth_capped``, ``ledger.roulette.killed`` and ``.boosted``, other rows
-that effects bring by their names, ``ledger.absorbed.NAME``, ``detectors.NAME.power`` and
+that effects bring by their names, as ``ledger.absorbed_in.MEDIUM``, ``ledger.absorbed.NAME``,
+``detectors.NAME.power`` and
 ``detectors.NAME.ladder[g]`` are scalars: one cell of the tally. ``detectors.NAME.map`` and
 ``far_field`` are many bins; as a target they stand for the median over those that are lit. Names
 are quoted where they need it, as in TOML: ``ledger.absorbed."wall -x"``.
@@ -20,7 +21,7 @@ from photizon_cl.scene.parameter_paths import path_parts, quoted
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from photizon_cl.compile.layout import DetectorCells, TallyLayout
+    from photizon_cl.compile.layout import DetectorCells, LedgerRow, TallyLayout
     from photizon_cl.scene.model import Scene
 
 __all__ = ["quantity_of", "scalars", "watched"]
@@ -87,7 +88,7 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
         return Quantity(f"ledger.absorbed.{quoted(scene.element[n].name)}", n)
     if parts[:1] == ["ledger"]:
         rows = _rows(layout)
-        row = ".".join(map(str, parts[1:]))
+        row = ".".join(quoted(str(part)) for part in parts[1:])
         if row not in rows:
             raise unknown_name("ledger", row, [*rows, "absorbed.NAME"])
         return Quantity(f"ledger.{row}", rows[row])
@@ -126,9 +127,13 @@ def _some(scene: Scene, layout: TallyLayout) -> Iterator[Quantity]:
 
 def _rows(layout: TallyLayout) -> dict[str, int]:
     """Return the cells of the ledger's rows, but those of single elements, by name."""
-    return {
-        _ROWS.get(row.name, row.name): layout.n_elements + n for n, row in enumerate(layout.rows)
-    }
+    return {_row_name(row): layout.n_elements + n for n, row in enumerate(layout.rows)}
+
+
+def _row_name(row: LedgerRow) -> str:
+    """Return a row's name behind ``ledger.``, its parts quoted where they need it."""
+    group, dot, name = _ROWS.get(row.name, row.name).partition(".")
+    return f"{group}{dot}{quoted(name) if name else name}"
 
 
 def _element(name: str, scene: Scene, names: list[str], what: str) -> int:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import show
 from photizon_cl.result.pilot import NEGLIGIBLE, UNTOLD
 from photizon_cl.result.statistics import LIT_COUNT
@@ -38,6 +39,7 @@ def run_advisories(result: Estimates) -> list[str]:
     """Return one sentence for each thing that a run's outcome gives reason for."""
     return [
         *_elsewhere(result),
+        *_of_effects(result),
         *_short(result),
         *_left_behind(result),
         *_unbelievable(result),
@@ -56,6 +58,16 @@ def _elsewhere(result: Estimates) -> Iterator[str]:
             "single precision rounds quotients and roots, or numbers near 0, in its own way "
             "(`photizon devices` says which); its errors are as small, its digest is its own"
         )
+
+
+def _of_effects(result: Estimates) -> Iterator[str]:
+    """Give what effects have to say of what they counted."""
+    layout, tally = result.compiled.layout, result.tally
+    for effect in EFFECTS:
+        group = layout.group(effect.name)
+        if group is not None and group.counted_as:
+            counts = tally.counts(group.first, group.size)
+            yield from effect.advice(result.scene, counts.tolist())
 
 
 def _short(result: Estimates) -> Iterator[str]:

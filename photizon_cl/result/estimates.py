@@ -183,6 +183,18 @@ class Estimates:
         return effect_tallies(self.compiled, self.tally)
 
     @cached_property
+    def counts(self) -> Mapping[str, int]:
+        """Numbers that effects count and the summary tells, over all batches, by name.
+
+        ``media_mismatches``, for one, where the scene has media.
+        """
+        groups = [group for group in self.compiled.layout.groups if group.counted_as]
+        return Table(
+            "counts",
+            ((g.counted_as, int(self.tally.counts(g.first, g.size).sum())) for g in groups),
+        )
+
+    @cached_property
     def far_field(self) -> FarFieldResult | None:
         """Intensity of what escaped, in W/sr; None where the scene has no far field."""
         if self.scene.far_field is None:
@@ -401,6 +413,7 @@ class Estimates:
             "stopped": info.stopped or None,
             "tally_digest": self.tally_digest,
             "ledger": self.ledger.summary(),
+            **self.counts,
             "detectors": {name: d.summary() for name, d in self.detectors.items()},
             **far_field_summary(self),
             **self._tallies_summary(),

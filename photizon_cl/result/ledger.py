@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 from hostcode.program.precision import FP64
 from hostcode.run.tally import UNIT_EXPONENT, exact, some_of, whole_of
-from photizon_cl.compile.layout import ROWS
+from photizon_cl.compile.layout import ABSORBED_IN, ROWS
 from photizon_cl.errors import RunError
 from photizon_cl.result.statistics import exact_sum
 from photizon_cl.result.text import with_error
@@ -233,6 +233,16 @@ class Ledger:
             ),
             names={item.title: item.name for item in layout.rows if "." in item.name},
         )
+
+    @property
+    def absorbed_in(self) -> Mapping[str, Estimate]:
+        """What media absorbed, by their names, in the order of the scene."""
+        mine = {
+            name.removeprefix(f"{ABSORBED_IN}."): self.others[title]
+            for title, name in self.names.items()
+            if name.startswith(f"{ABSORBED_IN}.")
+        }
+        return Table(f"ledger.{ABSORBED_IN}", mine)
 
     def summary(self) -> dict[str, Any]:
         """Return the ledger as the summary holds it."""

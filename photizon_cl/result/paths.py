@@ -37,7 +37,7 @@ class Polyline:
     generation : ndarray, shape (k − 1,), int64
         Surface interactions before each segment.
     element : ndarray, shape (k − 1,), int64
-        Number of the element that each segment ends on; −1 where it escapes.
+        Number of the element that each segment ends on; −1 where it meets none.
     ending : str
         How it ends: one of `ENDINGS`.
     parent : int
@@ -66,7 +66,7 @@ class Paths:
     ray : ndarray, shape (n,), int64
         Number of the launched ray that each segment belongs to.
     start, end : ndarray, shape (n, 3), float64
-        In metres. A segment that escapes ends after `escape_length`.
+        In metres. A segment that meets nothing ends after `escape_length`.
     weight : ndarray, shape (n,), float64
         Relative to the heaviest launched ray.
     generation : ndarray, shape (n,), int64
@@ -75,7 +75,7 @@ class Paths:
         Place in the ray's tree of children: 1 for the launched ray, and for what a split gives
         2p (transmitted) and 2p + 1 (reflected), hashed where that no longer fits.
     element : ndarray, shape (n,), int64
-        Number of the element that it ends on, −1 where it escapes.
+        Number of the element that it ends on, −1 where it meets none.
     parent : ndarray, shape (n,), int64
         The segment that it continues or splits off, −1 for a launched ray.
     begins : ndarray, shape (n,), bool

@@ -90,7 +90,7 @@ class _Walk:
 
     def __init__(self, scene: Scene, found: Paths, device: DeviceRecord | str | None) -> None:
         self.scene, self.found = scene, found
-        self.indices = [e.surface.indices for e in scene.element]
+        self.indices = [surface.indices for surface in scene.optics]
         self.clashes: dict[tuple[int, float, int, float], _Meeting]
         self.met: NDArray[np.float64]
         """Weight that meets each refracting element in a medium that is known."""

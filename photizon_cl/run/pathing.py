@@ -14,7 +14,7 @@ from hostcode.run.tally import values, whole_of
 from photizon_cl.checks.precision import DEFAULT, fitting_mode
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER, compile_scene
 from photizon_cl.errors import ArgumentError, SceneError, show
-from photizon_cl.result.paths import ENDINGS, Paths
+from photizon_cl.result.paths import Paths
 from photizon_cl.run.distribution import device_failures, open_chosen
 from photizon_cl.run.picking import Wanted
 from photizon_cl.scene.files import load
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["paths"]
 
-_ESCAPED: Final = ENDINGS.index("escaped")
 _MOST_SEGMENTS: Final = 2**20
 
 
@@ -159,8 +158,8 @@ def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Pat
     path, generation, element, parent, begins, ending, _ = raw.wholes.T
     shift = np.array(compiled.shift)
     start, end = raw.reals[:, 0:3] + shift, raw.reals[:, 3:6].copy()
-    escaped = ending == _ESCAPED
-    end[escaped] = raw.reals[escaped, 0:3] + escape_length * end[escaped]
+    away = element < 0  # it escapes, or is absorbed on its way out
+    end[away] = raw.reals[away, 0:3] + escape_length * end[away]
     layout = compiled.layout
     watts = values(whole_of(raw.cells, 0, layout.n_rows)) * compiled.unit_power
     names = [f"absorbed by {element.name}" for element in compiled.scene.element]

@@ -13,6 +13,7 @@ from hostcode.run.usual import usual_plan
 from hostcode.run.wavefront import Engine
 from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.compile.compiled import compile_scene
+from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.compile.rays import LEAST_WEIGHT, ray_weights, share_rays
 from photizon_cl.errors import PhotizonError
 from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
@@ -22,14 +23,18 @@ from photizon_cl.scene.settings import MAX_GENERATION_CAP
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from hostcode.device.device import DeviceRecord
     from hostcode.program.plan import ExecutionPlan
+    from hostcode.run.tally import SparseTally
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.settings import RunSettings
 
-__all__ = ["pilot", "pilot_of_capped", "without_bins"]
+__all__ = ["counted_by_pilot", "pilot", "pilot_of_capped", "without_bins"]
 
 _RAYS: Final = 512
 _SEED: Final = 0x70696C6F74
@@ -95,6 +100,43 @@ def pilot(
     except Abandoned:
         interactions = interactions or flight.made / rays
     return Pilot(rays, cap, interactions, missed, tuple(left), complete)
+
+
+def counted_by_pilot(
+    scene: Scene, device: DeviceRecord | str | None = None, precision: str = DEFAULT
+) -> list[str]:
+    """Return what effects have to say of what they counted of a pilot's rays.
+
+    Parameters
+    ----------
+    scene : Scene
+        Any; nothing is traced where no effect counts.
+    device, precision : optional
+        As in `photizon_cl.trace`.
+
+    Raises
+    ------
+    ArgumentError, RunError
+        As `pilot` does.
+    """
+    rays = max(_RAYS, len(scene.source))
+    settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
+    compiled = _compiled(without_bins(scene), settings, precision)
+    counting = [group for group in compiled.layout.groups if group.counted_as]
+    if not counting:
+        return []
+    flight = _Flight(compiled, device, None, lambda: False)
+    try:
+        flight.follow(settings.generation_cap)
+    except Abandoned:
+        return []
+    counts = {g.effect: whole_of(flight.cells, g.first, g.size)[:, 3].tolist() for g in counting}
+    return [
+        f"by a pilot of {rays} rays: {text}"
+        for effect in EFFECTS
+        if effect.name in counts
+        for text in effect.advice(scene, counts[effect.name])
+    ]
 
 
 def pilot_of_capped(
@@ -175,6 +217,8 @@ class _Flight:
         self.made = 0
         """Interactions to the last cap."""
         self.ends: float | None = None
+        self.cells: NDArray[np.int64] | SparseTally
+        """What was counted to the last cap."""
 
     def follow(self, cap: int) -> tuple[float, float]:
         """Return which parts of the power are under way at a cap, and have escaped.
@@ -196,6 +240,7 @@ class _Flight:
             finally:
                 self.made = engine.statistics.interactions
                 self.room -= self.made
+        self.cells = batch.cells
         rows = (layout.depth_capped, layout.escaped)
         powers = [exact(whole_of(batch.cells, row, 1))[0] for row in rows]
         under_way, escaped = (float(Fraction(n, self.compiled.emitted)) for n in powers)

@@ -77,6 +77,11 @@ class Described:
     """Values for an example, where those that suit each parameter do not suit each other."""
     alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     """Parameters that say the same in another way: one that is given stands for the others."""
+    usual: ClassVar[Mapping[str, Any]] = MappingProxyType({})
+    """What there is where nothing is said, of parameters whose default is None since another one
+    may stand for them; `REQUIRED` where nothing is."""
+    foreseen: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Keys that the format will have and that are refused so far: what to do without them."""
 
     def __post_init__(self) -> None:
         """Check every value and bring it to canonical form.
@@ -168,6 +173,11 @@ def default_of(cls: type[Described], item: str) -> Any:
     if entry.default_factory is not dataclasses.MISSING:
         return entry.default_factory()
     return entry.default
+
+
+def shown_default(cls: type[Described], item: str) -> Any:
+    """Return what people are told of a parameter's default: that, or what it stands for."""
+    return cls.usual.get(item, default_of(cls, item))
 
 
 _FIELDS: Final[dict[type, tuple[dataclasses.Field[Any], ...]]] = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, printable, show
@@ -20,6 +21,8 @@ from photizon_cl.scene.described import (
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.importance import Importance, targets_of
+from photizon_cl.scene.media.medium import Medium
+from photizon_cl.scene.media.names import VACUUM, media_of
 from photizon_cl.scene.parameter_paths import put_values
 from photizon_cl.scene.parameters import declare, free_text, unique_name
 from photizon_cl.scene.reader import SCHEMA, read_scene
@@ -32,6 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from photizon_cl.scene.names import ByName
+    from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["SCHEMA", "FarField", "RunSettings", "Scene", "between_objects", "same_stream"]
 
@@ -40,6 +44,7 @@ _FLOOR: Final = 1e-9
 """The automatic roulette floor where rays split."""
 _WHEN_TO_STOP: Final = ("target_sigma", "target_on", "max_seconds")
 _NO_ELEMENTS: Final[Any] = ()
+_NO_MEDIA: Final[Any] = ()
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,6 +71,8 @@ class Scene(Described):
         One line for people.
     notes : str, optional
         Free text.
+    medium : sequence of Medium, optional
+        What bodies are made of, by names that surfaces and sources call; found by name as well.
 
     Raises
     ------
@@ -99,12 +106,19 @@ class Scene(Described):
     )
     title: str = field(default="", metadata=free_text("one line for people"))
     notes: str = field(default="", metadata=free_text("free text"))
+    medium: Accepts[Sequence[Medium], ByName[Medium]] = field(
+        default=_NO_MEDIA,
+        metadata=declare(NestedList(Medium, 0, meaning="what is in bodies and around them")),
+    )
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check names and shares across sources and elements, and what is named elsewhere."""
         elements = known.get("element") or ()
-        problems = between_objects(known.get("source") or (), elements)
+        sources, media = known.get("source") or (), known.get(Medium.label) or ()
+        problems = between_objects(sources, elements)
+        problems += _duplicates(Medium.label, media)
+        problems += media_of(media, source=sources, element=elements)
         return problems + targets_of(known.get(Importance.label), elements)
 
     @property
@@ -126,8 +140,9 @@ class Scene(Described):
         ----------
         changes : mapping of str to object
             Values by path: ``run.KEY``, ``far_field.KEY``, ``source.NAME.KEY``,
-            ``element.NAME.KEY``, ``element.NAME.surface.KEY``, with ``[i]`` for a component and
-            quotes around a name that has other characters than letters, digits, ``-`` and ``_``:
+            ``element.NAME.KEY``, ``element.NAME.surface.KEY``, ``medium.NAME.KEY``, with ``[i]``
+            for a component and quotes around a name that has other characters than letters,
+            digits, ``-`` and ``_``:
             ``element."wall -x".surface.reflectance``. A value is what a scene file would hold
             there, or an object such as ``pz.Mirror(0.9)``; None takes away what may be absent.
 
@@ -172,6 +187,8 @@ class Scene(Described):
             value = getattr(self, item)
             if type(parameter) is Nested and item not in out and value is not None:
                 out[item] = value.to_table()
+        if self.medium:
+            out[Medium.label] = [medium.to_table() for medium in self.medium]
         out["source"] = [source.to_table() for source in self.source]
         if self.element:
             out["element"] = [element.to_table() for element in self.element]
@@ -183,6 +200,22 @@ class Scene(Described):
         if floor != "auto":
             return floor
         return _FLOOR if self.splits(run) else 0.0
+
+    @property
+    def index_of(self) -> dict[str, float]:
+        """Refractive indices of the media by name, the vacuum's among them."""
+        return {VACUUM: 1.0, **{medium.name: medium.index for medium in self.medium}}
+
+    @cached_property
+    def optics(self) -> tuple[Surface, ...]:
+        """The elements' surfaces in order, with numbers where they name media."""
+        index_of = self.index_of
+        return tuple(element.surface.among(index_of) for element in self.element)
+
+    @property
+    def names_media(self) -> bool:
+        """Whether there is any medium by name, other than the vacuum around it all."""
+        return bool(self.medium) or any(e.surface.media is not None for e in self.element)
 
     @property
     def splitter(self) -> Element | None:

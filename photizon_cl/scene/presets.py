@@ -19,6 +19,7 @@ _NAMES: Final = (
     "square-lightpipe",
     "cassegrain",
     "baffled-telescope",
+    "absorbing-cuvette",
 )
 
 _ANCHOR: Final = "Anchor:"

@@ -6,6 +6,7 @@ import difflib
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
 from photizon_cl.errors import MOST_PROBLEMS, Problem, SceneError, join, key, show
@@ -19,6 +20,7 @@ from photizon_cl.scene.described import (
 )
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.limits import MOST_CHARACTERS
+from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.parameters import BAD
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 from photizon_cl.scene.sources import Source
@@ -35,6 +37,7 @@ SCHEMA: Final = "photizon/1"
 """The version of the format."""
 
 _MISSING: Final = "nothing"
+_NONE: Final[Mapping[str, str]] = MappingProxyType({})
 _D = TypeVar("_D", bound=Described)
 
 
@@ -216,7 +219,9 @@ class _Reader:
         kinded = any(issubclass(cls, base) for base in KINDS)
         accepted = (("kind",) if kinded else ()) + tuple(parameters_of(cls))
         title = _title(cls)
-        absent = self.unknown(found, path, accepted, title) if judge_unknown else set()
+        absent = (
+            self.unknown(found, path, accepted, title, cls.foreseen) if judge_unknown else set()
+        )
         built: dict[str, Any] = {}
         known: dict[str, Any] = {}
         for item, parameter in parameters_of(cls).items():
@@ -239,7 +244,12 @@ class _Reader:
         return built, known
 
     def unknown(
-        self, found: Mapping[str, Any], path: str, accepted: Sequence[str], title: str
+        self,
+        found: Mapping[str, Any],
+        path: str,
+        accepted: Sequence[str],
+        title: str,
+        foreseen: Mapping[str, str] = _NONE,
     ) -> set[str]:
         """Report unknown keys; return the required keys that they were probably meant for."""
         meant: set[str] = set()
@@ -248,8 +258,8 @@ class _Reader:
                 continue
             if self.full:
                 break
-            near = _similar(item, accepted)
-            hint = f"did you mean {near[0]}?" if near else ""
+            near = [] if item in foreseen else _similar(item, accepted)
+            hint = f"did you mean {near[0]}?" if near else foreseen.get(item, "")
             meant.update(near)
             expected = f"no such key; {title} takes {', '.join(accepted)}"
             self.complain(join(path, key(item)), show(found[item]), expected, hint)
@@ -267,9 +277,9 @@ class _Reader:
                 self.complain(where, "the key more than once", "every key once in its object")
 
     def own(self, before: int, base: type[Described], found: Mapping[str, Any]) -> None:
-        """Put the name of the source or element on its problems, as people count by names."""
+        """Put an object's name on its problems, as people count by names."""
         name = found.get("name")
-        if base not in (Element, Source) or not isinstance(name, str):
+        if base not in (Element, Source, Medium) or not isinstance(name, str):
             return
         self.problems[before:] = [
             replace(problem, owner=f"{base.label} {show(name)}")

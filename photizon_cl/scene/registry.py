@@ -24,6 +24,7 @@ from photizon_cl.scene.elements.sphere import Sphere as Sphere
 from photizon_cl.scene.filters.along import Along as _Along
 from photizon_cl.scene.filters.azimuth import Azimuth as _Azimuth
 from photizon_cl.scene.filters.generation import Generation as _Generation
+from photizon_cl.scene.media.medium import Medium as _Medium
 from photizon_cl.scene.sources.collimated_disk import CollimatedDisk as CollimatedDisk
 from photizon_cl.scene.sources.cone_point import ConePoint as ConePoint
 from photizon_cl.scene.sources.cosine_point import CosinePoint as CosinePoint
@@ -91,6 +92,8 @@ SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
 )
 
 DETECTORS: Final[dict[str, type[_Detector]]] = _by_kind(_Detector)
+
+MEDIA: Final[dict[str, type[_Medium]]] = _by_kind(_Medium)
 
 FILTERS: Final[dict[str, type[_Filter]]] = {
     cls.kind: cls

@@ -18,7 +18,7 @@ from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
 from photizon_cl.scene.described import default_of, parameters_of
 from photizon_cl.scene.presets import preset_path, presets
-from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
+from photizon_cl.scene.registry import DETECTORS, ELEMENTS, MEDIA, SOURCES, SURFACES
 
 RUN = ["run", "box-room", "--batches", "2", "--rays-per-batch", "1024"]
 
@@ -338,12 +338,15 @@ def test_a_scenes_advisories_stand_before_the_run(run, tmp_path):
     assert run("run", tmp_path / "dark.toml", "--batches", "2", "--json")[2] == ""
 
 
+GROUPS = (SOURCES, ELEMENTS, SURFACES, DETECTORS, MEDIA)
+
+
 def test_kinds_lists_all_that_a_scene_can_hold(run):
     status, out, err = run("kinds")
     assert (status, err) == (0, "")
     lines = out.splitlines()
     assert max(map(len, lines)) <= 80
-    for group in (SOURCES, ELEMENTS, SURFACES, DETECTORS):
+    for group in GROUPS:
         for kind, cls in group.items():
             assert sum(line.startswith(f"  {kind}: ") for line in lines) >= 1
             assert all(name in out for name in parameters_of(cls))
@@ -357,7 +360,7 @@ def test_kinds_lists_all_that_a_scene_can_hold(run):
 
 @pytest.mark.parametrize(
     ("label", "kind", "cls"),
-    [(c.label, k, c) for g in (SOURCES, ELEMENTS, SURFACES, DETECTORS) for k, c in g.items()],
+    [(c.label, k, c) for group in GROUPS for k, c in group.items()],
 )
 def test_a_kind_is_described(label, kind, cls, run):
     status, out, err = run("kinds", kind)

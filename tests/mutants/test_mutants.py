@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
-from oracles import aiming, branching, chance, contacts, gates, kernels, packets, trails
+from oracles import aiming, branching, chance, contacts, gates, kernels, media, packets, trails
 from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, cube, matt, wall
 
@@ -522,6 +522,36 @@ MUTANTS = (
         'roulette ends what was aimed',
         {'roulette.aimed': 'floor_weight'},
         aiming.roulette_spares_what_is_aimed,
+    ),
+    Mutant(
+        'what a segment loses is taken twice',
+        {'media.left': 'left * TO_REAL(kept)'},
+        media.slab,
+    ),
+    Mutant(
+        'what leaves the scene is not absorbed on its way',
+        {'media.left': 'SEL_WEIGHT(h->found, left, p->w)'},
+        media.slab,
+    ),
+    Mutant(
+        'what a medium takes is not booked',
+        {'media.booked': 'image_of(p->w)'},
+        media.slab,
+    ),
+    Mutant(
+        'absorption sees half of a segment',
+        {'media.length': 'TO_WIDE(h->t) * 0.5'},
+        media.slab,
+    ),
+    Mutant(
+        'a ray keeps the medium that it was launched in',
+        {'media.crosses': 'NO_LANES'},
+        media.nested,
+    ),
+    Mutant(
+        'every medium is the right one',
+        {'media.wrong': 'NO_LANES'},
+        media.wrong,
     ),
 )  # fmt: skip
 

@@ -60,6 +60,11 @@ def _cells(
                 cell = d.cells.map + j * d.cells.nx + i
                 wanted = reference.map[name, i, j]
                 yield f"map {name} {i} {j}", traced.amount(cell), traced.count(cell), wanted
+    layout = traced.compiled.layout
+    for row in tables.get("medium", []):
+        name = row["name"]
+        weight = traced.amount(layout.row(f"absorbed_in.{name}"))
+        yield f"absorbed in {name}", weight, 0, reference.absorbed_in[name]
     yield "escaped", traced.escaped, 0, reference.escaped
     yield "killed", traced.killed, 0, reference.killed
     yield "boosted", traced.boosted, 0, reference.boosted

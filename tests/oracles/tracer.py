@@ -17,6 +17,7 @@ from oracles import philox
 Vec = tuple[float, float, float]
 
 _UNIT = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+VACUUM = "vacuum"
 FRAMES = {
     "+x": ("+y", "+z"),
     "+y": ("+z", "+x"),
@@ -97,6 +98,7 @@ class Ray:
     path: int = philox.ROOT
     generation: int = 0
     left: int = -1
+    medium: str = VACUUM
 
 
 @dataclass
@@ -109,6 +111,8 @@ class Tally:
     boosted: float = 0.0
     depth_capped: float = 0.0
     interactions: int = 0
+    absorbed_in: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+    wrong_media: dict[str, int] = field(default_factory=lambda: defaultdict(int))
     power: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     ladder: dict[tuple[str, int], list[float]] = field(default_factory=lambda: defaultdict(list))
     map: dict[tuple[str, int, int], list[float]] = field(default_factory=lambda: defaultdict(list))
@@ -213,7 +217,8 @@ def launch(scene: dict[str, Any], number: int, index: int, rays: list[int], seed
     else:
         direction = combine((cosine[0], fu), (cosine[1], fv), (cosine[2], fw))
     weight = source["flux"] / n
-    return Ray(number, position, direction, weight, weight)
+    medium = source.get("medium", VACUUM)
+    return Ray(number, position, direction, weight, weight, medium=medium)
 
 
 def _on_sphere(u: float, v: float) -> Vec:
@@ -235,18 +240,26 @@ def trace(scene: dict[str, Any], rays: list[int], seed: int, batch: int = 0) -> 
         Which stream.
     """
     tally, elements, run = Tally(), _elements(scene), scene["run"]
+    media = {VACUUM: {"index": 1.0}, **{row["name"]: row for row in scene.get("medium", [])}}
     for index in range(sum(rays)):
         waiting = [launch(scene, batch * sum(rays) + index, index, rays, seed)]
         while waiting:
             ray = waiting.pop()
             t, n = nearest(elements, ray)
+            alpha = media[ray.medium].get("absorption_per_m", 0.0)
+            if alpha:
+                left = ray.weight * math.exp(-alpha * t)
+                tally.absorbed_in[ray.medium] += ray.weight - left
+                ray = replace(ray, weight=left)
+                if not left:
+                    continue
             if n < 0:
                 tally.escaped += ray.weight
                 _count_escape(tally, scene, ray)
                 continue
             tally.interactions += 1
             point = combine((1.0, ray.origin), (t, ray.direction))
-            for child in _interact(tally, elements, n, point, ray, seed):
+            for child in _interact(tally, elements, media, n, point, ray, seed):
                 if child.generation >= run["generation_cap"]:
                     tally.depth_capped += child.weight
                 elif _plays_on(tally, child, _floor(run), seed):
@@ -255,7 +268,13 @@ def trace(scene: dict[str, Any], rays: list[int], seed: int, batch: int = 0) -> 
 
 
 def _interact(
-    tally: Tally, elements: list[dict[str, Any]], n: int, point: Vec, ray: Ray, seed: int
+    tally: Tally,
+    elements: list[dict[str, Any]],
+    media: dict[str, Any],
+    n: int,
+    point: Vec,
+    ray: Ray,
+    seed: int,
 ) -> list[Ray]:
     element = elements[n]
     surface = element["surface"]
@@ -268,8 +287,16 @@ def _interact(
         return []
     mirrored = unit(combine((1.0, ray.direction), (-2.0 * cosine, normal)))
     if surface["kind"] == "fresnel":
-        inside, outside = surface["index"], surface.get("index_outside", 1.0)
-        n1, n2 = (outside, inside) if cosine < 0.0 else (inside, outside)
+        behind = on
+        if "medium" in surface:
+            sides = surface.get("medium_outside", VACUUM), surface["medium"]
+            near, far = sides if cosine < 0.0 else sides[::-1]
+            tally.wrong_media[element["name"]] += near != ray.medium
+            n1, n2 = media[near]["index"], media[far]["index"]
+            behind = replace(on, medium=far)
+        else:
+            inside, outside = surface["index"], surface.get("index_outside", 1.0)
+            n1, n2 = (outside, inside) if cosine < 0.0 else (inside, outside)
         reflectance, cos_t = fresnel(n1, n2, abs(cosine))
         if reflectance == 1.0:
             return [replace(on, direction=mirrored)]
@@ -277,9 +304,9 @@ def _interact(
         bent = unit(combine((n1 / n2, ray.direction), (along, normal)))
         reflected = ray.weight * reflectance
         if reflected == 0.0:
-            return [replace(on, direction=bent)]
+            return [replace(behind, direction=bent)]
         return [
-            replace(on, direction=bent, weight=ray.weight - reflected, path=2 * ray.path),
+            replace(behind, direction=bent, weight=ray.weight - reflected, path=2 * ray.path),
             replace(on, direction=mirrored, weight=reflected, path=2 * ray.path + 1),
         ]
     weight = ray.weight * surface["reflectance"]

@@ -36,6 +36,7 @@ _SURFACES: Final[dict[str, dict[str, Any]]] = {
     "mirror": {"kind": "mirror", "reflectance": 0.9},
     "matt": {"kind": "lambertian", "reflectance": 0.6},
     "glass": {"kind": "fresnel", "index": 1.5},
+    "dyed": {"kind": "fresnel", "medium": "dyed", "medium_outside": "vacuum"},
     "clear": {"kind": "clear"},
     "mixed": {"kind": "mixed", "specular": 0.3, "diffuse": 0.5},
 }
@@ -55,7 +56,7 @@ def every_kind() -> dict[str, Any]:
                               "baffles": 1, "clear_half_width": 0.1}, None),
         ("+z", "+z", "glass", {"kind": "plano-convex", "curvature_radius": 0.6,
                                "aperture_radius": 0.4}, None),
-        ("-z", "-z", "glass", {"kind": "biconvex", "front_radius": 0.6, "back_radius": 0.8,
+        ("-z", "-z", "dyed", {"kind": "biconvex", "front_radius": 0.6, "back_radius": 0.8,
                                "aperture_radius": 0.4}, None),
         ("+x+y", "+z", "black", {"kind": "cylinder", "radius": 0.3, "length": 0.4},
          {"map": [4, 3], "side": "outside"}),
@@ -69,7 +70,7 @@ def every_kind() -> dict[str, Any]:
     sources: list[dict[str, Any]] = [
         {"kind": "isotropic-point"},
         {"kind": "lambertian-sphere", "radius": 0.02},
-        {"kind": "cosine-point", "axis": "+x"},
+        {"kind": "cosine-point", "axis": "+x", "medium": "dyed"},
         {"kind": "cone-point", "axis": "-z", "half_angle_deg": 20.0},
         {"kind": "lambertian-disk", "axis": "+y", "radius": 0.05},
         {"kind": "lambertian-rectangle", "axis": "-y", "half_width": 0.05, "half_height": 0.02},
@@ -88,6 +89,7 @@ def every_kind() -> dict[str, Any]:
         "name": "every kind",
         "run": {"roulette_floor": 0.05, "generation_cap": 6},
         "far_field": {"n_mu": 3, "n_phi": 4},
+        "medium": [{"name": "dyed", "index": 1.4, "absorption_per_m": 0.5}],
         # a rectangle, a disk and a ball
         "importance": {"toward": ["element 0", "element 1", "element 6"], "weights": [1, 2, 3]},
         "source": [
@@ -149,7 +151,7 @@ MORE: Final[dict[str, Case]] = {
     **{f"{name}": Case(name, 8) for name in (
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
-        "baffled-telescope",
+        "baffled-telescope", "absorbing-cuvette",
     )},
 }  # fmt: skip
 """What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its

@@ -1,4 +1,4 @@
-"""What holds for every preset; the other five have gates of their own elsewhere."""
+"""What holds for every preset; the others have gates of their own elsewhere."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ pytestmark = pytest.mark.usefixtures("one_lane")
 
 NEW = (
     "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
-    "baffled-telescope",
+    "baffled-telescope", "absorbing-cuvette",
 )  # fmt: skip
 
 
-def test_there_are_eleven_each_with_an_anchor():
-    assert len(preset_names()) == len(presets()) == 11
+def test_there_are_twelve_each_with_an_anchor():
+    assert len(preset_names()) == len(presets()) == 12
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 

@@ -113,6 +113,10 @@ def everything() -> pz.Scene:
         unused = [k for k in unused if k != kind]
     flat = next(shape for shape in shapes if shape.kind == "rectangle")
     elements += [replace(flat, detector=None, surface=surface(kind)) for kind in unused]
+    # and one more of glass, which has a medium where others have an index
+    kind = next(kind for kind in SURFACES if SURFACES[kind].refracts)
+    body = next(made for shape in shapes if (made := with_surface(shape, kind)) and not shape.flat)
+    elements.append(replace(body, surface=SURFACES[kind](medium="glass")))
     step = 2.2 * max(shape.reach for shape in shapes)
     side = range(-1, 2)
     places = sorted(itertools.product(side, side, side), key=lambda p: sum(map(abs, p)))
@@ -138,6 +142,7 @@ def everything() -> pz.Scene:
         run=pz.RunSettings(generation_cap=60, roulette_floor=0.05),
         far_field=pz.FarField(n_mu=4, n_phi=6),
         importance=pz.Importance(toward=[stand[0].name, stand[-1].name], fraction=0.25),
+        medium=(pz.Medium("glass", 1.5168, absorption_per_m=1.0 / step),),
         source=tuple(sources),
         element=(*stand, room),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from photizon_cl.scene.described import Described, default_of, parameters_of
+from photizon_cl.scene.described import Described, parameters_of, shown_default
 from photizon_cl.scene.model import SCHEMA, Scene
 
 __all__ = ["as_python", "as_toml"]
@@ -17,7 +17,7 @@ def _given(item: Described) -> dict[str, Any]:
     given = {
         name: getattr(item, name)
         for name in parameters_of(type(item))
-        if getattr(item, name) != default_of(type(item), name)
+        if getattr(item, name) not in (None, shown_default(type(item), name))
     }
     return dict(sorted(given.items(), key=lambda entry: isinstance(entry[1], Described)))
 
@@ -31,7 +31,8 @@ def as_toml(scene: Scene) -> str:
             lines += ["", f"[{label}]", *_entries(getattr(scene, label))]
     if _given(scene.run):
         lines += ["", "[run]", *_entries(scene.run)]
-    for label, objects in (("source", scene.source), ("element", scene.element)):
+    groups = (("medium", scene.medium), ("source", scene.source), ("element", scene.element))
+    for label, objects in groups:
         for item in objects:
             lines += ["", f"[[{label}]]", *_entries(item)]
     return "\n".join(lines) + "\n"

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
-from photizon_cl.scene.described import Nested, NestedList, default_of, parameters_of
+from photizon_cl.scene.described import Nested, NestedList, parameters_of, shown_default
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.frames import AXES, frame
 from photizon_cl.scene.importance import Importance
+from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import presets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
@@ -87,7 +88,7 @@ def _accepted(parameter: Parameter) -> str:
 
 
 def _default(cls: type[Described], name: str) -> str:
-    value = default_of(cls, name)
+    value = shown_default(cls, name)
     if value is dataclasses.MISSING:
         return "**required**"
     if value is None or value == ():
@@ -143,6 +144,7 @@ FRAGMENTS: dict[str, Callable[[], Any]] = {
     "run": lambda: parameter_table(RunSettings),
     "far-field": lambda: parameter_table(FarField),
     "importance": lambda: parameter_table(Importance),
+    "medium": lambda: parameter_table(Medium),
     "source": lambda: parameter_table(DirectedSource),
     "element": lambda: parameter_table(Element),
     "frames": _frames,

@@ -14,6 +14,8 @@ from hostcode.program.spec import EffectParts
 from photizon_cl.scene.rows import NO_ROW
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from photizon_cl.compile.draft import Draft
     from photizon_cl.compile.layout import LedgerRow
     from photizon_cl.scene.described import Described
@@ -46,6 +48,9 @@ class Effect(ABC):
 
     unit: ClassVar[str] = "W"
     """Unit of what its labelled cells show."""
+
+    counted_as: ClassVar[str] = ""
+    """What the summary calls the number of all that its cells counted; empty where nothing."""
 
     @abstractmethod
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
@@ -96,6 +101,10 @@ class Effect(ABC):
         anything else than weights divides it by a bound of the scene, and gives that here.
         """
         return 1.0
+
+    def advice(self, scene: Scene, counts: Sequence[int]) -> list[str]:
+        """Return what a run's counts, one of each of its cells, give reason to say."""
+        return []
 
     def heaviest(self, scene: Scene, settings: RunSettings) -> float:
         """Return what a ray weighs at most because of it; the heaviest launched one weighs 1.

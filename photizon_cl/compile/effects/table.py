@@ -13,6 +13,7 @@ from photizon_cl.compile.effects.contact import Contact
 from photizon_cl.compile.effects.detector import Detector
 from photizon_cl.compile.effects.far_field import FarField
 from photizon_cl.compile.effects.importance import Importance
+from photizon_cl.compile.effects.media import Media
 from photizon_cl.compile.effects.opening import Opening
 from photizon_cl.compile.effects.path_table import PathTable
 from photizon_cl.compile.effects.roulette import Roulette
@@ -40,6 +41,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     Coincidence(),
     Opening(),
     PathTable(),
+    Media(),
     Importance(),
     Detector(),
     Map(),

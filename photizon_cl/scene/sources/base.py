@@ -11,6 +11,7 @@ import numpy as np
 
 from photizon_cl.scene.described import Described
 from photizon_cl.scene.frames import Frame, frame
+from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import (
     point,
     positive_number,
@@ -44,6 +45,8 @@ class Source(Described):
     share : float, optional
         Weight of this source in dividing the rays, given by all sources or by none and normalised
         to their sum; None divides in proportion to flux. It moves effort, never the answer.
+    medium : str, optional
+        Name of the medium in which its rays start.
     """
 
     label: ClassVar[str] = "source"
@@ -68,6 +71,7 @@ class Source(Described):
     flux: float = field(metadata=positive_power("radiant flux launched"))
     position: Sequence[float] = field(metadata=point("centre of the source"))
     share: float | None = field(default=None, metadata=positive_number("part of the rays"))
+    medium: str = field(default=VACUUM, metadata=medium_name("in which its rays start"))
 
     @property
     def frame(self) -> Frame:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.scene.described import Described
 from photizon_cl.scene.rows import NO_ROW, Row
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,21 @@ class Surface(Described):
     def indices(self) -> tuple[float, float] | None:
         """Refractive indices behind its normal and on the other side, where it refracts."""
         return None
+
+    @property
+    def media(self) -> tuple[str, str] | None:
+        """Names of the media behind its normal and on the other side, where it names some."""
+        return None
+
+    def among(self, index_of: Mapping[str, float]) -> Surface:
+        """Return it with numbers in place of the names of media, as kernels and checks take it.
+
+        Parameters
+        ----------
+        index_of : mapping of str to float
+            Refractive indices of the scene's media by name, the vacuum's among them.
+        """
+        return self
 
     def advice(self) -> list[str]:
         """Return what is valid and yet probably not meant, as what follows its element's name."""

@@ -4,11 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
 
+from photizon_cl.errors import Problem, show
+from photizon_cl.scene.described import REQUIRED, parameters_of
+from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import refractive_index
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces.base import Surface
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from photizon_cl.scene.described import Known
+
+_BY_INDEX = ("index", "index_outside")
+_BY_NAME = ("medium", "medium_outside")
 
 
 @dataclass(frozen=True)
@@ -17,15 +29,20 @@ class Fresnel(Surface):
 
     R is the mean of the two polarised Fresnel reflectances and T = 1 − R; the reflected child
     carries R of the weight, the transmitted one T, bent by Snell's law. Beyond the critical angle
-    the reflected child keeps everything. Nothing is absorbed and no draw is made. Media are not
-    tracked: the side that a ray comes from says which index it is in.
+    the reflected child keeps everything. Nothing is absorbed and no draw is made. The side that a
+    ray comes from says which index it is in. Instead of two indices it takes the names of two
+    media: rays then carry the medium that they are in, and lose weight on their way through it.
 
     Parameters
     ----------
-    index : float
+    index : float, optional
         Refractive index behind a flat element's normal, and inside a solid.
     index_outside : float, optional
-        Refractive index on the side that the normal points to.
+        Refractive index on the side that the normal points to, 1 by default.
+    medium : str, optional
+        Instead: name of the medium behind a flat element's normal, and inside a solid.
+    medium_outside : str, optional
+        Name of the medium on the side that the normal points to, "vacuum" by default.
 
     Notes
     -----
@@ -52,10 +69,75 @@ class Fresnel(Surface):
     colour: ClassVar[str] = "#56b4e9"
     label_text: ClassVar[str] = "glass"
 
-    index: float = field(metadata=refractive_index("index behind the normal, or inside the solid"))
-    index_outside: float = field(
-        default=1.0, metadata=refractive_index("index on the normal's side")
+    sample: ClassVar[Mapping[str, object]] = MappingProxyType({"index": 1.5168})
+    usual: ClassVar[Mapping[str, object]] = MappingProxyType(
+        {"index": REQUIRED, "index_outside": 1.0, "medium_outside": VACUUM}
     )
+    alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {**dict.fromkeys(_BY_INDEX, _BY_NAME), **dict.fromkeys(_BY_NAME, _BY_INDEX)}
+    )
+
+    index: float | None = field(
+        default=None,
+        metadata=refractive_index("index behind the normal, or inside the solid; or medium"),
+    )
+    index_outside: float | None = field(
+        default=None, metadata=refractive_index("index on the normal's side")
+    )
+    medium: str | None = field(
+        default=None,
+        metadata=medium_name("instead of index: what is behind the normal, or inside the solid"),
+    )
+    medium_outside: str | None = field(
+        default=None,
+        metadata=medium_name("instead of index_outside: what is on the normal's side"),
+    )
+
+    def __post_init__(self) -> None:
+        """Check every value; outside is the vacuum where nothing is said."""
+        super().__post_init__()
+        if self.medium is not None and self.medium_outside is None:
+            object.__setattr__(self, "medium_outside", VACUUM)
+        if self.medium is None and self.index_outside is None:
+            object.__setattr__(self, "index_outside", 1.0)
+
+    @classmethod
+    def cross_check(cls, known: Known) -> list[Problem]:
+        """See that the inside is given, and by an index or a medium, as is the outside."""
+        by_index, by_name = (
+            [item for item in items if item not in known.values or known.get(item) is not None]
+            for items in (_BY_INDEX, _BY_NAME)
+        )  # one that was refused was given
+        if by_index and by_name:
+            hint = f"give indices or the names of media, and not {by_index[0]} beside {by_name[0]}"
+            return [
+                Problem(item, show(known.get(item)), f"nothing beside {by_index[0]}", hint=hint)
+                for item in by_name
+                if known.get(item) is not None
+            ]
+        if "index" in by_index or "medium" in by_name:
+            return []
+        if by_name:
+            parameter, wanted = parameters_of(cls)["medium"], "medium"
+        else:
+            parameter, wanted = parameters_of(cls)["index"], "index"
+        hint = f"the surface {cls.kind} requires the key {wanted}"
+        hint += "" if by_name else ", or medium"
+        return [Problem(wanted, "nothing", parameter.expected, hint=hint)]
+
+    @property
+    def media(self) -> tuple[str, str] | None:
+        """Names of the media behind its normal and on the other side; None by indices."""
+        if self.medium is None or self.medium_outside is None:
+            return None
+        return self.medium, self.medium_outside
+
+    def among(self, index_of: Mapping[str, float]) -> Fresnel:
+        """Return it with the indices of its media, by their names."""
+        if self.media is None:
+            return self
+        inside, outside = (index_of[name] for name in self.media)
+        return Fresnel(inside, outside)
 
     def packed(self) -> dict[str, float]:
         """Return m = n₁/n₂ and 1 − m² from the + side, and from the − side.
@@ -63,7 +145,7 @@ class Fresnel(Surface):
         1 − m² = (n₂ − n₁)(n₂ + n₁)/n₂², with the difference of the indices taken before anything
         is rounded.
         """
-        inside, outside = self.index, self.index_outside
+        inside, outside = self._pair
         return {
             "ratio_plus": outside / inside,
             "one_less_square_plus": (inside - outside) * (inside + outside) / (inside * inside),
@@ -72,32 +154,44 @@ class Fresnel(Surface):
         }
 
     @property
-    def indices(self) -> tuple[float, float]:
-        """Refractive indices behind its normal and on the other side."""
+    def indices(self) -> tuple[float, float] | None:
+        """Refractive indices behind its normal and on the other side; None by names of media."""
+        if self.index is None or self.index_outside is None:
+            return None
         return self.index, self.index_outside
+
+    @property
+    def _pair(self) -> tuple[float, float]:
+        if self.indices is None:
+            raise ValueError("indices follow from the scene's media: ask Scene.optics")
+        return self.indices
 
     @property
     def normal_reflectance(self) -> float:
         """Reflectance at normal incidence, ((n − n')/(n + n'))²."""
-        ratio = (self.index - self.index_outside) / (self.index + self.index_outside)
+        inside, outside = self._pair
+        ratio = (inside - outside) / (inside + outside)
         return ratio * ratio
 
     @property
     def critical_angle_deg(self) -> float | None:
         """Critical angle in degrees in the denser medium; None where the indices are equal."""
-        if self.index == self.index_outside:
+        low, high = sorted(self._pair)
+        if low == high:
             return None
-        low, high = sorted((self.index, self.index_outside))
         return math.degrees(math.asin(low / high))
 
     def advice(self) -> list[str]:
         """Say where it is no border."""
-        if self.index != self.index_outside:
+        inside, outside = self._pair
+        if inside != outside:
             return []
         return ["has the same index on both sides: it reflects nothing and bends nothing"]
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the reflectance at normal incidence and the critical angle."""
+        """Return the reflectance at normal incidence and the critical angle, given indices."""
+        if self.indices is None:
+            return {}
         out = {"reflectance at normal incidence": (self.normal_reflectance, "")}
         if self.critical_angle_deg is not None:
             out["critical angle in the denser medium"] = (self.critical_angle_deg, "deg")

@@ -102,9 +102,9 @@ def no_rays() -> ShownRays:
 
 
 def shown_rays(found: Paths, box: Box) -> ShownRays:
-    """Return the segments to draw; those that escape go on to the edge of the box."""
+    """Return the segments to draw; those that meet nothing go on to the edge of the box."""
     start, end = found.start, found.end.copy()
-    out = found.escaped
+    out = found.element < 0
     end[out] = start[out] + _way_out(start[out], (end - start)[out], box)
     strong = found.weight >= FAINTEST
     order = np.flatnonzero(strong)[np.argsort(found.weight[strong], kind="stable")]

@@ -134,15 +134,22 @@ def _physics(result: Estimates) -> Iterator[Markup]:
         "interference, no diffraction. Where features are of the size of a wavelength the answer "
         "is wrong, and no error bar says so."
     )
-    glass = (
-        " Glass reflects and refracts as for unpolarised light and absorbs nothing."
-        if any(element.surface.refracts for element in result.scene.element)
-        else ""
-    )
-    yield Markup(
-        "<strong>No spectrum, no polarisation, no bulk absorption.</strong> One set of optical "
-        "constants holds for the whole run.{}"
-    ).format(glass)
+    refracts = any(element.surface.refracts for element in result.scene.element)
+    glass = " Glass reflects and refracts as for unpolarised light" if refracts else ""
+    absorbing = [medium.name for medium in result.scene.medium if medium.absorption_per_m]
+    if absorbing:
+        glass += "." if glass else ""
+        what = "no polarisation.</strong> One set of optical constants holds for the whole run.{}"
+        yield Markup(
+            f"<strong>No spectrum, {what} What lies in {{}} absorbs by Beer and Lambert's law and "
+            "scatters nothing."
+        ).format(glass, ", ".join(absorbing))
+    else:
+        glass += " and absorbs nothing." if glass else ""
+        yield Markup(
+            "<strong>No spectrum, no polarisation, no bulk absorption.</strong> One set of optical "
+            "constants holds for the whole run.{}"
+        ).format(glass)
     yield Markup(
         "<strong>Ideal surfaces and exact shapes.</strong> {}, without measured scatter, roughness "
         "or dust; shapes without tolerances or mounts."
