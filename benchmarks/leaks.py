@@ -19,10 +19,11 @@ from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.scene.elements.biconvex import Biconvex
 from photizon_cl.scene.elements.cone import Cone
-from photizon_cl.scene.elements.conic import Conic, equator
+from photizon_cl.scene.elements.conic import Conic
 from photizon_cl.scene.elements.cylinder import Cylinder
 from photizon_cl.scene.elements.disk import Disk
 from photizon_cl.scene.elements.plano_convex import PlanoConvex
+from photizon_cl.scene.elements.sheets import equator
 from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
 from photizon_cl.scene.model import Scene

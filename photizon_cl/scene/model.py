@@ -187,12 +187,12 @@ class Scene(Described):
     @property
     def splitter(self) -> Element | None:
         """The first element whose surface makes two rays of one; None where there is none."""
-        return next((element for element in self.element if element.surface.splits), None)
+        return next((e for e in self.element if any(s.splits for s in e.surfaces)), None)
 
     @property
     def scatters(self) -> bool:
         """Whether any surface sends a ray on in a direction drawn from a density."""
-        return any(element.surface.scatters for element in self.element)
+        return any(s.scatters for e in self.element for s in e.surfaces)
 
     def splits(self, run: RunSettings | None = None) -> bool:
         """Say whether rays go on as two in this scene, run so; default `self.run`."""

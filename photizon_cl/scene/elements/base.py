@@ -31,7 +31,7 @@ ROUNDOFF: Final = 2.0**-53
 _ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bring it to a face
 
 
-_FACES = ("faces", "outline")  # what is cached of an element's faces
+_FACES = ("faces", "outline", "surfaces")  # what is cached of an element's faces
 
 
 def _counting() -> list[str]:
@@ -74,7 +74,8 @@ class Element(Described):
     libraries: ClassVar[tuple[str, ...]] = ()
     """Kernel templates before those, once a program, which other kinds may share."""
     traits: ClassVar[frozenset[str]] = frozenset()
-    """What else the shared templates ask for; ``inward`` where normals point to the inside."""
+    """What else the shared templates ask for; ``inward`` where normals point to the inside,
+    ``own-surfaces`` where faces may have surfaces of their own (`surface_of`)."""
     faced: ClassVar[bool] = True
     """Whether its kernel works in its own frame and says which of its faces is hit."""
     alone: ClassVar[bool] = False
@@ -204,6 +205,17 @@ class Element(Described):
     @abstractmethod
     def faces(self) -> tuple[Face, ...]:
         """Its faces in local coordinates, in the order of the kernels' face numbers."""
+
+    def surface_of(self, face: int) -> Surface:
+        """Return the surface of a face by the number that the kernels give it."""
+        return self.surface
+
+    @cached_property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """Its surfaces, each once: several where faces have surfaces of their own."""
+        if "own-surfaces" not in self.traits:
+            return (self.surface,)
+        return tuple(dict.fromkeys(self.surface_of(n) for n in range(len(self.faces))))
 
     @property
     def sole_face(self) -> Face | None:
