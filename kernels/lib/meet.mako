@@ -11,11 +11,7 @@ FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, lon
 % if cls.faced:
     lint face;
     const mask ok = hit_${cls.suffix}(row, code, p, left, scene, search, &t, &face);
-% if "face-surfaces" in effects and "own-surfaces" in cls.traits:
-    const lint hit_code = WITH_SURFACE(WITH_FACE(code, face), SURFACE_OF_FACE(row, face));
-% else:
-    const lint hit_code = WITH_FACE(code, face);
-% endif
+    const lint hit_code = ${"with_surface(row, WITH_FACE(code, face))" if "face-surfaces" in effects and "own-surfaces" in cls.traits else "WITH_FACE(code, face)"};
 % else:
     mask edge = NO_LANES;
     const mask ok = hit_${cls.suffix}(row, code, p, IEQ(left, lsplat(code)), scene, search, &t, &edge);

@@ -79,15 +79,6 @@ FN mask came_from_plus(const packet_t *p, const contact_t *c) {
 #define WITH_FACE(code, face) ((code) | ((face) << ${code["face"].shift}))
 #define HAS_DETECTOR(code) INE((code) & (1L << ${code["detector"].shift}), lsplat(0L))
 #define SURFACE_OF(code) (((code) >> ${code["surface"].shift}) & ${code["surface"].mask}L)
-% if "face-surfaces" in effects:
-// Of an element whose faces have surfaces of their own: the kind of each, the last one's of all behind it.
-#define WITH_SURFACE(code, kind) (((code) & ~(${code["surface"].mask}L << ${code["surface"].shift})) | ((kind) << ${code["surface"].shift}))
-#define SURFACE_OF_FACE(row, face) \
-    SELI(IEQ(face, lsplat(0L)), lsplat((long)(row)[FACES_FIRST]), \
-         SELI(IEQ(face, lsplat(1L)), lsplat((long)(row)[FACES_SECOND]), lsplat((long)(row)[FACES_THIRD])))
-// Where its material's row stands in the codes, from where all do: one for each such face.
-#define MATERIAL_OF_FACE(code) (ELEMENT_OF(code) * 3L + SELI(IGT(FACE_OF(code), lsplat(2L)), lsplat(2L), FACE_OF(code)))
-% endif
 #define AXIS_SIGN(code) SEL(INE((code) & (1L << ${code["down"].shift}), lsplat(0L)), splat(-1.0), splat(1.0))
 #define CLASS_OF(code) ((code) & ${code["cls"].mask}L)
 

@@ -58,8 +58,10 @@ class FaceSurfaces(Effect):
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return where the materials of faces stand."""
-        meaning = "where in codes the places of faces' materials stand (MATERIAL_OF_FACE)"
-        return EffectParts(launch=(("material_of_face", "ulong", meaning),))
+        meaning = "where in codes the places of faces' materials stand (material_of_face)"
+        return EffectParts(
+            launch=(("material_of_face", "ulong", meaning),), libraries=("lib/face_surfaces",)
+        )
 
     def assemble(self, draft: Draft) -> None:
         """Add the places in the material table, one for each face."""
