@@ -70,7 +70,7 @@ class LensFace:
     @property
     def polishes(self) -> bool:
         """Whether it is long or flat: then its function at one end says little of the other."""
-        return abs(self.kappa) > 2.0 or abs(self.sag) > 4 * Fraction(abs(self.radius))
+        return abs(self.kappa) > 2.0 or float(abs(self.sag)) > 4.0 * abs(self.radius)
 
     @property
     def area(self) -> float:
