@@ -22,6 +22,7 @@ from photizon_cl.scene.elements.cone import Cone
 from photizon_cl.scene.elements.conic import Conic
 from photizon_cl.scene.elements.cylinder import Cylinder
 from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.general_lens import Lens
 from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.scene.elements.sheets import equator
 from photizon_cl.scene.elements.sphere import Sphere
@@ -67,9 +68,31 @@ def closed_bodies() -> dict[str, Scene]:
         add(f"biconvex, {kind}", [lens], inside)
         half = PlanoConvex(**tilted, aperture_radius=1.0, curvature_radius=1.5, surface=surface)
         add(f"plano-convex, {kind}", [half], inside)
+        for name, shape in LENSES.items():
+            glass = Lens(
+                **tilted, aperture_radius=1.0, **shape, surface=surface, edge=Lambertian(1.0)
+            )
+            low, high = glass.vertices[1], glass.vertices[0]
+            at = np.add(glass.position, (0.4 * low + 0.6 * high) * np.array(glass.frame[2]))
+            add(f"{name}, {kind}", [glass], tuple(at.tolist()))
         for name, walls in round_bodies(tilted, surface).items():
             add(f"{name}, {kind}", walls, on_axis(walls[0]))
     return made
+
+
+LENSES: dict[str, dict[str, float]] = {
+    "meniscus": {"front_radius": 1.5, "back_radius": -2.5, "thickness": 0.3},
+    "thin meniscus": {"front_radius": -1.5, "back_radius": 2.5, "thickness": 0.02},
+    "biconcave": {"front_radius": -1.5, "back_radius": -2.5, "thickness": 0.2},
+    "conic faces": {
+        "front_radius": 0.9, "back_radius": 1.5, "front_conic": -2.25, "back_conic": -0.5,
+        "thickness": 0.9,
+    },
+    "knife-edged meniscus": {
+        "front_radius": 1.5, "back_radius": -2.5, "thickness": 1.5 - 1.25**0.5 - (2.5 - 5.25**0.5),
+    },
+}  # fmt: skip
+"""Lenses by their faces; the rim has the radius 1."""
 
 
 def on_axis(wall: Any) -> tuple[float, ...]:
@@ -138,6 +161,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--device")
     parser.add_argument("--interactions", type=float, default=1e9, help="in each body")
     parser.add_argument("--out", type=Path, help="folder for leaks.txt and .json")
+    parser.add_argument("--body", action="append", help="part of a body's name; may be given again")
     asked = parser.parse_args(arguments)
     device = open_device(choose(asked.device))
     report = Report()
@@ -146,6 +170,8 @@ def main(arguments: list[str] | None = None) -> int:
     run = RunSettings(rays_per_batch=RAYS, generation_cap=BOUNCES)
     rows = []
     for name, scene in closed_bodies().items():
+        if asked.body and not any(part in name for part in asked.body):
+            continue
         compiled = compile_scene(scene, run)
         lanes = preferred_lanes(device.record, compiled.tables.spec.effects)
         engine = Engine(device, compiled.tables, default_plan(device.record, lanes))

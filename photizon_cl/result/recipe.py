@@ -93,7 +93,9 @@ class RecipeText:
             "version": self.version,
             "engine": self.engine,
         }
-        text = json.dumps(plain_value(content), separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+        text = json.dumps(
+            plain_value(content), separators=(",", ":"), ensure_ascii=True, allow_nan=False
+        )
         packed = zlib.compress(text.encode("ascii"), 9)
         return _PREFIX + base64.urlsafe_b64encode(packed).rstrip(b"=").decode("ascii")
 

@@ -100,7 +100,9 @@ class _Place:
         slope = 0.0
         if not side.flat:
             root = math.sqrt(max(side.radius**2 - side.kappa * r * r, 0.0))
-            slope = math.copysign(r / root, side.radius) if root else math.copysign(1e16, side.radius)
+            slope = (
+                math.copysign(r / root, side.radius) if root else math.copysign(1e16, side.radius)
+            )
         k = math.hypot(1.0, slope)
         self.normal = (slope / k * cosine, slope / k * sine, up / k)
         self.along = (cosine / k, sine / k, -up * slope / k)
@@ -195,7 +197,9 @@ def glass_vertex() -> Iterator[Case]:
             vertex, size = lens.vertices[face], lens.aperture_radius
             for beside in (0.0, 1e-160, 1e-20, 1e-9, 0.3):
                 at = (beside * size, 0.0, vertex + up * size)
-                yield turned(f"along the axis, {beside:g} beside it, {label}", scene, at, (0, 0, -up))
+                yield turned(
+                    f"along the axis, {beside:g} beside it, {label}", scene, at, (0, 0, -up)
+                )
             for lean in (0.7, 1e-2, 1e-6, 1e-12):
                 flat = math.sqrt((1.0 - lean) * (1.0 + lean))
                 along = (flat, 0.0, -up * lean)
@@ -205,7 +209,7 @@ def glass_vertex() -> Iterator[Case]:
 
 
 def glass_inside() -> Iterator[Case]:
-    """Rays in the glass that left a face: to any other place, to the rims, grazing what they left."""
+    """Rays in the glass that left a face: anywhere, beside the rims, grazing what they left."""
     r = random.Random(55)
     for label, scene, lens in _lenses(r):
         for face in _faces(lens):

@@ -1,4 +1,4 @@
-"""The faces of lenses in exact geometry: conics seen from their vertices, and the edge, in 60 digits."""
+"""Faces of lenses in exact geometry, in 60 digits: conics seen from their vertices, the edge."""
 
 from __future__ import annotations
 

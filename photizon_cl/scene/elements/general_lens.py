@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
@@ -28,7 +29,7 @@ from photizon_cl.scene.surfaces import Surface
 from photizon_cl.scene.surfaces.absorber import Absorber
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.faces import Face
@@ -100,6 +101,9 @@ class Lens(Element):
     has_map: ClassVar[bool] = False
     default_side: ClassVar[str] = "outside"
     faces_at_a_point: ClassVar[int] = 3
+    sample: ClassVar[Mapping[str, Any]] = MappingProxyType(
+        {"front_radius": 0.1, "back_radius": 0.1, "thickness": 0.03, "aperture_radius": 0.05}
+    )
 
     front_radius: float = field(metadata=signed_radius("radius of curvature of the front face"))
     back_radius: float = field(metadata=signed_radius("radius of curvature of the back face"))
@@ -279,7 +283,9 @@ def _face_problems(name: str, radius: float, k: float, aperture: float) -> list[
     if k > -1.0 and aperture > (widest := equator(abs(radius), k)):
         term = f"|{name}_radius|" if not k else f"|{name}_radius|/sqrt(1 + {name}_conic)"
         hint = "a face is no wider than its ball or ellipsoid; equal makes a half"
-        return [Problem("aperture_radius", show(aperture), f"at most {term}, {show(widest)}", hint=hint)]
+        return [
+            Problem("aperture_radius", show(aperture), f"at most {term}, {show(widest)}", hint=hint)
+        ]
     high = abs(LensFace(radius, k, aperture).sag)
     if high > Fraction(LARGEST):
         expected = f"an aperture of faces at most {LARGEST:g} m high"

@@ -61,7 +61,7 @@ class LensFace:
         return self.sag_at(self.aperture)
 
     def sag_at(self, r: float) -> Fraction:
-        """Return how far the face falls from the vertex to a distance r from the axis, in metres."""
+        """Return how far it falls from the vertex to a distance r from the axis, in metres."""
         if self.flat:
             return Fraction(0)
         fall = conic_sag(abs(self.radius), self.conic, r)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from photizon_cl.scene.faces import Revolved
 
 if TYPE_CHECKING:
-    from photizon_cl.scene.faces import Values
+    from photizon_cl.scene.faces import Ball, Values
 
 __all__ = ["Placed"]
 
@@ -38,6 +38,14 @@ class Placed(Revolved):
     def _own(self, height: float) -> float:
         """Return a height over the shape's own origin."""
         return self.up * (height - self.height)
+
+    @property
+    def ball(self) -> Ball | None:  # noqa: D102
+        own = self.shape.ball
+        if own is None:
+            return None
+        height, pole = self.height + self.up * own.height, self.up * own.pole
+        return replace(own, name=self.name, sense=self.sense, height=height, pole=pole)
 
     def place_at(self, height: float) -> float:  # noqa: D102
         return self.shape.place_at(self._own(height))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from photizon_cl.scene.faces import Revolved
+from photizon_cl.scene.faces import Ball, Revolved
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,7 +31,9 @@ class Sheet(Revolved):
     rims: tuple[float, float]
     heights: tuple[float, float]
 
-    def profile(self, s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def profile(  # noqa: D102
+        self, s: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         big, kappa = self.radius, self.kappa
         rims = np.array(self.rims)
         if kappa > 0.0:
@@ -49,6 +51,18 @@ class Sheet(Revolved):
         for place, rim, height in zip((0.0, 1.0), self.rims, self.heights, strict=True):
             r, w = np.where(s == place, rim, r), np.where(s == place, height, w)
         return np.clip(r, *self.rims), np.clip(w, *self.heights)
+
+    @property
+    def ball(self) -> Ball | None:  # noqa: D102
+        if self.kappa != 1.0:
+            return None
+        first, last = (
+            math.atan2(r, self.radius - h) for r, h in zip(self.rims, self.heights, strict=True)
+        )
+        return Ball(
+            name=self.name, sense=self.sense, radius=self.radius, height=self.radius,
+            polar=(first, last), pole=-1.0,
+        )  # fmt: skip
 
     def _levels(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return R − κw, what the slope's denominator is at a height."""

@@ -136,7 +136,7 @@ def _physics(result: Estimates) -> Iterator[Markup]:
     )
     glass = (
         " Glass reflects and refracts as for unpolarised light and absorbs nothing."
-        if any(element.surface.refracts for element in result.scene.element)
+        if any(s.refracts for element in result.scene.element for s in element.surfaces)
         else ""
     )
     yield Markup(
@@ -156,7 +156,7 @@ def _physics(result: Estimates) -> Iterator[Markup]:
 
 def _surfaces(result: Estimates) -> str:
     """Return what the scene's surfaces are, as the beginning of a sentence."""
-    labels = dict.fromkeys(e.surface.label_text for e in result.scene.element)
+    labels = dict.fromkeys(s.label_text for e in result.scene.element for s in e.surfaces)
     *rest, last = labels or ["no surface"]
     text = f"{', '.join(rest)} and {last}" if rest else last
     return text[:1].upper() + text[1:]
