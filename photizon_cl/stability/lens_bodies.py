@@ -25,7 +25,7 @@ def lens_sizes(lens: Lens) -> tuple[Any, ...]:
     found = [mp.mpf(lens.aperture_radius), half]
     for sag, side in zip(sags, lens.sides, strict=True):
         curvature = mp.mpf(0) if side.flat else 1 / mp.mpf(side.radius)
-        found += [half + sag, curvature, 1 + mp.mpf(side.conic)]
+        found += [half + sag, curvature, 1 + mp.mpf(side.constant)]
     return tuple(found)
 
 
@@ -35,7 +35,7 @@ def _sag(side: LensFace) -> Any:
         return mp.mpf(0)
     radius, a = mp.mpf(side.radius), mp.mpf(side.aperture)
     # the equator's radius is rounded
-    rest = max(radius**2 - (1 + mp.mpf(side.conic)) * a**2, mp.mpf(0))
+    rest = max(radius**2 - (1 + mp.mpf(side.constant)) * a**2, mp.mpf(0))
     return a**2 / (abs(radius) + mp.sqrt(rest)) * (1 if radius > 0 else -1)
 
 

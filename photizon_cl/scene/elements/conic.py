@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.revolved import RevolvedWall
-from photizon_cl.scene.elements.sheets import Sheet, conic_sag, equator, sheet_area
+from photizon_cl.scene.elements.sheets import Sheet, sheet_sag, equator, sheet_area
 from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
 from photizon_cl.scene.rows import Row
 
@@ -91,7 +91,7 @@ class Conic(RevolvedWall):
                     )
                 )
         if radius is not None and aperture is not None and known.get("conic_constant") is not None:
-            high = conic_sag(radius, k, aperture)
+            high = sheet_sag(radius, k, aperture)
             if high > Fraction(LARGEST):
                 problems.append(
                     Problem(
@@ -119,7 +119,7 @@ class Conic(RevolvedWall):
 
     def sag(self, r: float) -> float:
         """Return the height over the vertex in metres at a distance r from the axis."""
-        return float(conic_sag(self.curvature_radius, self.conic_constant, r))
+        return float(sheet_sag(self.curvature_radius, self.conic_constant, r))
 
     @cached_property
     def faces(self) -> tuple[Face, ...]:

@@ -65,12 +65,16 @@ class Lens(Element):
         Thickness on the axis in metres.
     aperture_radius : float
         Radius of both rims and of the edge in metres; for k > −1 at most ``|R|/sqrt(1 + k)``.
-    front_conic, back_conic : float, optional
-        k of each face; 0 is a sphere.
+    front_conic : float, optional
+        k of the front face; 0 is a sphere.
+    back_conic : float, optional
+        k of the back face.
     edge : Surface, optional
         What a ray that hits the edge does.
-    front, back : Surface, optional
-        What a ray that hits that face does, where that is another surface than `surface`.
+    front : Surface, optional
+        What a ray that hits the front face does, where that is another surface than `surface`.
+    back : Surface, optional
+        The same of the back face.
     """
 
     kind: ClassVar[str] = "lens"
@@ -127,7 +131,7 @@ class Lens(Element):
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
-        """Check that the faces reach the rim, stand apart, and carry what they are to carry."""
+        """Check that the faces reach the rim and stand apart."""
         problems = super().cross_check(known)
         aperture, faces = known.get("aperture_radius"), []
         for name in ("front", "back"):
@@ -144,21 +148,7 @@ class Lens(Element):
         thickness = known.get("thickness")
         if len(faces) == 2 and thickness is not None:
             problems += _apart(faces[0], faces[1], thickness)
-        return problems + cls._carrying(known)
-
-    @staticmethod
-    def _carrying(known: Known) -> list[Problem]:
-        """Refuse a detector where a face sends light on."""
-        if known.get("detector") is None:
-            return []
-        found = []
-        for name in ("edge", "front", "back"):
-            own = known.get(name)
-            if own is not None and own.kind and not own.cls.carries_detector:
-                hint = "a detector counts what arrives at all of the lens; see surface.kind"
-                expected = "a surface that carries a detector"
-                found.append(Problem(f"{name}.kind", show(own.kind), expected, hint=hint))
-        return found
+        return problems
 
     @cached_property
     def sides(self) -> tuple[LensFace, LensFace]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from photizon_cl.scene.elements.placed import Placed
-from photizon_cl.scene.elements.sheets import Sheet, conic_sag, sheet_area
+from photizon_cl.scene.elements.sheets import Sheet, sheet_sag, sheet_area
 from photizon_cl.scene.faces import Circular, Plane
 
 if TYPE_CHECKING:
@@ -27,14 +27,14 @@ class LensFace:
     radius : float
         Radius of curvature at the vertex in metres: positive where the face is convex, negative
         where it is concave, infinite where it is flat.
-    conic : float
+    constant : float
         Conic constant.
     aperture : float
         Radius of the rim in metres.
     """
 
     radius: float
-    conic: float
+    constant: float
     aperture: float
 
     @property
@@ -50,7 +50,7 @@ class LensFace:
     @property
     def kappa(self) -> float:
         """1 + conic constant."""
-        return 1.0 + self.conic
+        return 1.0 + self.constant
 
     @cached_property
     def sag(self) -> Fraction:
@@ -64,7 +64,7 @@ class LensFace:
         """Return how far it falls from the vertex to a distance r from the axis, in metres."""
         if self.flat:
             return Fraction(0)
-        fall = conic_sag(abs(self.radius), self.conic, r)
+        fall = sheet_sag(abs(self.radius), self.constant, r)
         return fall if self.radius > 0.0 else -fall
 
     @property
@@ -77,7 +77,7 @@ class LensFace:
         """Area in m²."""
         if self.flat:
             return math.pi * self.aperture**2
-        return sheet_area(abs(self.radius), self.conic, (0.0, float(abs(self.sag))))
+        return sheet_area(abs(self.radius), self.constant, (0.0, float(abs(self.sag))))
 
     def face(self, name: str, rim: float, side: float) -> Face:
         """Return the face.

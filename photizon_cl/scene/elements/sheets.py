@@ -14,7 +14,7 @@ from photizon_cl.scene.faces import Ball, Revolved
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Sheet", "conic_sag", "equator", "sheet_area"]
+__all__ = ["Sheet", "sheet_sag", "equator", "sheet_area"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +107,7 @@ class Sheet(Revolved):
         return r / math.hypot(r, self.radius - self.kappa * w)
 
 
-def conic_sag(radius: float, k: float, r: float) -> Fraction:
+def sheet_sag(radius: float, k: float, r: float) -> Fraction:
     """Return the height of a conic over its vertex in metres, beyond the range of a double too."""
     big, square = Fraction(radius), Fraction(r) ** 2
     # the equator's radius is rounded
