@@ -69,8 +69,10 @@ def closed_bodies() -> dict[str, Scene]:
         half = PlanoConvex(**tilted, aperture_radius=1.0, curvature_radius=1.5, surface=surface)
         add(f"plano-convex, {kind}", [half], inside)
         for name, shape in LENSES.items():
+            # at the origin nothing but the lens itself is a measure of rounding
+            here = {**tilted, "position": (0.0, 0.0, 0.0)} if kind == "matt" else tilted
             glass = Lens(
-                **tilted, aperture_radius=1.0, **shape, surface=surface, edge=Lambertian(1.0)
+                **here, aperture_radius=1.0, **shape, surface=surface, edge=Lambertian(1.0)
             )
             low, high = glass.vertices[1], glass.vertices[0]
             at = np.add(glass.position, (0.4 * low + 0.6 * high) * np.array(glass.frame[2]))

@@ -42,8 +42,9 @@ FN mask in_edge_${cls.suffix}(__global const double *row, real x, real y, real w
 FN mask within_${name}_${cls.suffix}(__global const double *row, const quadric_t *q, const meridian_t *r, real a, real t, real s,
                               real near) {
     const real x = fma(t, r->dx, r->x), y = fma(t, r->dy, r->y), w = fma(t, r->dw, r->w);
-    // what is farther away than the lens is not at its rims
-    near += fmin((fabs(x) + fabs(y) + fabs(w)) * R(4.0 * UNIT_ROUNDOFF), splat(row[LENS_MOST] - row[LENS_NEAR]));
+    // of the place over the middle, whose height w was taken from; what is farther away than the lens is not at
+    // its rims
+    near += fmin((fabs(x) + fabs(y) + fabs(w) + fabs(splat(${"row[LENS_HALF]" if name == "edge" else f"row[LENS_{name.upper()}_VERTEX]"}))) * R(4.0 * UNIT_ROUNDOFF), splat(row[LENS_MOST] - row[LENS_NEAR]));
     const real slide = quadric_slide(q, a, quadric_steepness(q, x, y, w), s, near);
     return in_${name}_${cls.suffix}(row, x, y, w, fma(slide, fabs(r->dw), near),
                               fma(slide, fabs(r->dx) + fabs(r->dy), near));

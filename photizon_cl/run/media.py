@@ -71,7 +71,10 @@ def clashing_media(scene: Scene, device: DeviceRecord | str | None = None) -> li
     ArgumentError, RunError
         Where there is no usable device, or it fails.
     """
-    if not any(s.refracts for e in scene.element for s in e.surfaces) or len(scene.element) > _MOST_ELEMENTS:
+    if (
+        not any(s.refracts for e in scene.element for s in e.surfaces)
+        or len(scene.element) > _MOST_ELEMENTS
+    ):
         return []
     run = dataclasses.replace(scene.run, roulette_floor=0.0)
     found = paths(
@@ -254,7 +257,9 @@ def _sides(
     wanted = np.concatenate([before[inside], found.element[inside]])
     known = (seen.element == wanted) & (seen.element >= 0)
     sides[:, inside] = np.where(known, facing, 0.0).reshape(2, -1)
-    numbers = [_face_number(scene, n, name) for n, name in zip(seen.element, seen.face, strict=True)]
+    numbers = [
+        _face_number(scene, n, name) for n, name in zip(seen.element, seen.face, strict=True)
+    ]
     faces[:, inside] = np.where(known, numbers, -1).reshape(2, -1)
     return sides[0], sides[1], faces[0], faces[1]
 

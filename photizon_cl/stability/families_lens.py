@@ -67,7 +67,9 @@ def _lenses(r: random.Random) -> Iterator[tuple[str, tuple[Element, ...], Any]]:
             }  # fmt: skip
             least = _sags(front, back, k1, k2, sizes["aperture_radius"])
             tilt = r.choice([(0.0, 0.0), TILT])
-            lens = black(Lens, scale, tilt=tilt, at=_AT, thickness=thickness or least, **sizes)
+            # at the origin nothing but the lens itself is a measure of rounding
+            at = r.choice([_AT, (0.0, 0.0, 0.0)])
+            lens = black(Lens, scale, tilt=tilt, at=at, thickness=thickness or least, **sizes)
             label = f"shape {n}, scale {scale:g}{', tilted' if tilt[0] else ''}"
             yield label, (lens,), lens
 
@@ -232,11 +234,14 @@ def glass_chord() -> Iterator[Case]:
     r = random.Random(56)
     for label, scene, lens in _lenses(r):
         for face in _faces(lens):
-            for lean in (0.9, 0.3, 1e-2, 1e-5, 1e-9):
+            hollow = face < 2 and lens.sides[face].radius < 0.0
+            for lean in (0.9, 0.3, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9) if hollow else (0.3, 1e-5):
                 place = _Place(lens, face, r.uniform(0.02, 0.98), _turn(r))
+                # inwards where it may meet the face again
+                turn = -0.5 * math.pi + r.uniform(-0.9, 0.9) if hollow else _turn(r)
                 yield turned(
                     f"left face {face} outwards, sine {lean:g}, {label}", scene, place.point,
-                    place.leaning(_turn(r), lean), left=Left(0, face, plus=True),
+                    place.leaning(turn, lean), left=Left(0, face, plus=True),
                 )  # fmt: skip
 
 
