@@ -19,6 +19,7 @@ _NAMES: Final = (
     "square-lightpipe",
     "cassegrain",
     "baffled-telescope",
+    "aspheric-condenser",
 )
 
 _ANCHOR: Final = "Anchor:"

@@ -9,12 +9,12 @@ from photizon_cl.scene.presets import preset_names, presets
 
 NEW = (
     "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
-    "baffled-telescope",
+    "baffled-telescope", "aspheric-condenser",
 )  # fmt: skip
 
 
-def test_there_are_eleven_each_with_an_anchor():
-    assert len(preset_names()) == len(presets()) == 11
+def test_there_are_twelve_each_with_an_anchor():
+    assert len(preset_names()) == len(presets()) == 12
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 

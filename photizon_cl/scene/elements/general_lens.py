@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.frames import Vec3
 
 _KNIFE: Final = Fraction(ROUNDOFF) * 8
-"""An edge thinner than this part of the lens's heights is none: they are rounded."""
+"""An edge thinner than this part of the lens's sizes is none: who gave them has rounded them."""
 _CONIC: Final = "a number from -1e6 to 1e6"
 
 
@@ -287,7 +287,7 @@ def _face_problems(name: str, radius: float, k: float, aperture: float) -> list[
 def _edge(front: LensFace, back: LensFace, thickness: float) -> Fraction:
     """Return the height of the edge, 0 where that is rounding."""
     left = Fraction(thickness) - front.sag - back.sag
-    size = Fraction(thickness) + abs(front.sag) + abs(back.sag)
+    size = Fraction(thickness) + abs(front.sag) + abs(back.sag) + Fraction(front.aperture)
     return Fraction(0) if abs(left) <= _KNIFE * size else left
 
 
