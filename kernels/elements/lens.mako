@@ -90,7 +90,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 % if "contact" in effects:
     const real most = splat(row[LENS_MOST]);
 % for n, name in enumerate(faces):
-    const mask beside${n} = alive & ~left${n} & LE(fabs(height${n}), ${point(f"lens.beside_{name}", "R(64.0) * most")})
+    const mask beside${n} = alive & ~left${n} & LE(fabs(height${n}), R(64.0) * most)
         & in_${name}_${cls.suffix}(row, r.x, r.y, r${n}.w, R(128.0) * most, R(128.0) * most);
     mask starts${n} = NO_LANES;
 % endfor
@@ -143,7 +143,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         if (ANY(left${n})) {
             const real chord = quadric_chord(&q${n}, &r${n}, a${n}, start${n}, polishes${n});
             t = SEL(left${n}, chord, t);
-            ok = SELM(left${n}, SELM(inside, GT(a${n}, zero), LT(a${n}, zero))
+            ok = SELM(left${n}, SELM(inside, GT(a${n}, zero), ${point("lens.hollow", f"LT(a{n}, zero)")})
                           & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, chord, fabs(start${n}.b), near), ok);
         }
         // in a corner, rounding may have put the start of a ray that is inside behind the other face
@@ -157,17 +157,19 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         face = SELI(closer, lsplat(${n}L), face);
     }
 % endfor
-    // from inside there is always an exit: at the rim that rounding would not let it meet
+    // from inside there is always an exit, no farther than the box around the lens, whatever rounding says
     const mask lost = alive & inside & ~LT(best, splat(INFINITY));
     if (ANY(lost)) {
-        real t, s;
-        quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, &t, &s);
-        const mask up = GT(fma(t, r.dz, r.z), zero) | (~LT(fabs(t), splat(INFINITY)) & GT(r.dz, zero));
-        // along the axis, at the face ahead
-        const real along = fabs((SEL(up, splat(row[LENS_FRONT_VERTEX]), splat(-row[LENS_BACK_VERTEX])) - r.z) / r.dz);
-        t = SEL(LT(fabs(t), splat(INFINITY)), fmax(t, zero), along);
-        best = SEL(lost, t, best);
-        face = SELI(lost, row[LENS_HALF] > 0.0 ? lsplat(2L) : SELI(up, lsplat(0L), lsplat(1L)), face);
+        real to_edge, s;
+        quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, &to_edge, &s);
+        const mask up = GT(r.dz, zero);
+        const real end = SEL(up, splat(fmax(row[LENS_HALF], row[LENS_FRONT_VERTEX])), splat(-fmax(row[LENS_HALF], row[LENS_BACK_VERTEX])));
+        real to_end = (end - r.z) / r.dz;
+        to_edge = SEL(LT(fabs(to_edge), splat(INFINITY)), fmax(to_edge, zero), splat(INFINITY));
+        to_end = SEL(LT(fabs(to_end), splat(INFINITY)), fmax(to_end, zero), splat(INFINITY));
+        const mask by_face = LT(to_end, to_edge) | ALL_LANES_IF(row[LENS_HALF] == 0.0);
+        best = SEL(lost, fmin(to_edge, to_end), best);
+        face = SELI(lost, SELI(by_face, SELI(up, lsplat(0L), lsplat(1L)), lsplat(2L)), face);
     }
     *t_out = best;
     *face_out = face;
