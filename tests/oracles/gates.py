@@ -220,7 +220,7 @@ def round_corners_hold() -> None:
 
 
 def hollow_faces_are_met_again() -> None:
-    """A beam at sin 50 degrees into a hollow hemisphere: at -130, -50 and 30 degrees it meets it twice."""
+    """A beam at sin 50° into a hollow hemisphere meets it at 50° and at −30° from its pole."""
     hollow = {
         "kind": "lens", "name": "hollow", "position": [0.0, 0.0, 0.0], "axis": "+z",
         "front_radius": -1.0, "back_radius": 5.0, "thickness": 0.2, "aperture_radius": 1.0,

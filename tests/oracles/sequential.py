@@ -1,7 +1,8 @@
 """A sequential trace of meridional rays through conic faces, in long doubles.
 
-Written from the textbook (W. T. Welford, Aberrations of Optical Systems, § 4) and shares nothing with
-the product: transfer to each face by Newton's method on its sag, Snell's law there.
+Written from the textbook (W. T. Welford, Aberrations of Optical Systems, § 4); shares nothing with
+the product: transfer to each face by Newton's method on its sag, Snell's law there. Optiland 0.6.3 gives
+the same heights behind the doublet of tests/exact/test_lens.py to 3e-17 m (compared once).
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def _sag(face: Surface, y: np.longdouble) -> tuple[np.longdouble, np.longdouble]
 def meridional(
     faces: list[Surface], height: float, slope: float = 0.0, start: float = 0.0, index: float = 1.0
 ) -> tuple[np.longdouble, np.longdouble, np.longdouble, np.longdouble]:
-    """Trace a ray from a height on the plane z = start; return y, z and its direction at the end."""
+    """Trace a ray from a height on the plane z = start; return y, z and direction at the end."""
     y, z = Long(height), Long(start)
     length = np.sqrt(1 + Long(slope) ** 2)
     dy, dz = Long(slope) / length, 1 / length

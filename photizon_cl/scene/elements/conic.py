@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.revolved import RevolvedWall
-from photizon_cl.scene.elements.sheets import Sheet, sheet_sag, equator, sheet_area
+from photizon_cl.scene.elements.sheets import Sheet, equator, sheet_area, sheet_sag
 from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
 from photizon_cl.scene.rows import Row
 

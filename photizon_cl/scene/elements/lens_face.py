@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from photizon_cl.scene.elements.placed import Placed
-from photizon_cl.scene.elements.sheets import Sheet, sheet_sag, sheet_area
+from photizon_cl.scene.elements.sheets import Sheet, sheet_area, sheet_sag
 from photizon_cl.scene.faces import Circular, Plane
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from photizon_cl.scene.faces import Ball, Revolved
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Sheet", "sheet_sag", "equator", "sheet_area"]
+__all__ = ["Sheet", "equator", "sheet_area", "sheet_sag"]
 
 
 @dataclass(frozen=True, kw_only=True)
