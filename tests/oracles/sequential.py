@@ -1,8 +1,8 @@
 """A sequential trace of meridional rays through conic faces, in long doubles.
 
 Written from the textbook (W. T. Welford, Aberrations of Optical Systems, § 4); shares nothing with
-the product: transfer to each face by Newton's method on its sag, Snell's law there. Optiland 0.6.3 gives
-the same heights behind the doublet of tests/exact/test_lens.py to 3e-17 m (compared once).
+the product: transfer to each face by Newton's method on its sag, Snell's law there. Optiland 0.6.3
+gives the same heights behind the doublet of tests/exact/test_lens.py to 3e-17 m (compared once).
 """
 
 from __future__ import annotations
