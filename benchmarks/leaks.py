@@ -7,6 +7,7 @@ escaped, exactly. Exit status 1 where anything did.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,8 @@ from photizon_cl.scene.frames import frame
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources.isotropic_point import IsotropicPoint
+from photizon_cl.scene.surfaces.clear import Clear
+from photizon_cl.scene.surfaces.fresnel import Fresnel
 from photizon_cl.scene.surfaces.lambertian import Lambertian
 from photizon_cl.scene.surfaces.mirror import Mirror
 from photizon_cl.stability.families_mixed import room
@@ -77,9 +80,32 @@ def closed_bodies() -> dict[str, Scene]:
             low, high = glass.vertices[1], glass.vertices[0]
             at = np.add(glass.position, (0.4 * low + 0.6 * high) * np.array(glass.frame[2]))
             add(f"{name}, {kind}", [glass], tuple(at.tolist()))
+        add(f"cemented doublet, {kind}", cemented(here, surface), on_glass(here))
         for name, walls in round_bodies(tilted, surface).items():
             add(f"{name}, {kind}", walls, on_axis(walls[0]))
     return made
+
+
+def cemented(where: dict[str, Any], outer: Any) -> list[Element]:
+    """Return two lenses that share a face, refracting where they are cemented, closed elsewhere."""
+    white = Lambertian(1.0)
+    crown = Lens(
+        **where, aperture_radius=1.0, front_radius=1.5, back_radius=1.2, thickness=1.1,
+        surface=outer, edge=white, back=Fresnel(1.5, 1.7),
+    )  # fmt: skip
+    flint = Lens(
+        **{**where, "name": "flint"}, aperture_radius=1.0, front_radius=-1.2, back_radius=2.0,
+        thickness=0.4, surface=outer, edge=white, front=Clear(),
+    )  # fmt: skip
+    down = (crown.vertices[1] - flint.vertices[0]) * np.array(crown.frame[2])
+    at: Any = tuple(np.add(crown.position, down).tolist())
+    return [crown, dataclasses.replace(flint, position=at)]
+
+
+def on_glass(where: dict[str, Any]) -> tuple[float, ...]:
+    """Return a point in the crown."""
+    up = 0.05 * np.array(frame(where["axis"], where["tilt_deg"]))[2]
+    return tuple(np.add(where["position"], up).tolist())
 
 
 LENSES: dict[str, dict[str, float]] = {
@@ -169,7 +195,10 @@ def main(arguments: list[str] | None = None) -> int:
     report = Report()
     report.say(f"closed bodies on {device.record.label}, {BOUNCES} bounces a ray", "")
     report.say("body                     interactions   escaped (arrivals)   M interactions/s")
-    run = RunSettings(rays_per_batch=RAYS, generation_cap=BOUNCES)
+    # of two children one is chosen: a closed body of glass would hold ever more of them
+    run = RunSettings(
+        rays_per_batch=RAYS, generation_cap=BOUNCES, roulette_floor=0.0, splitting=False
+    )
     rows = []
     for name, scene in closed_bodies().items():
         if asked.body and not any(part in name for part in asked.body):

@@ -40,7 +40,10 @@ def bodies() -> list[Any]:
 @pytest.mark.parametrize("name", bodies())
 def test_nothing_leaks_out_of_closed_bodies(name: str) -> None:
     """10^6 interactions in each body; ``python -m benchmarks.leaks`` makes 10^9 in each."""
-    found = trace(closed_bodies()[name], rays_per_batch=500, generation_cap=CAP, seed=1, plan=PLAN)
+    found = trace(
+        closed_bodies()[name], rays_per_batch=500, generation_cap=CAP, seed=1, plan=PLAN,
+        splitting=False, roulette_floor=0.0,
+    )  # fmt: skip
     assert found.interactions == 500 * CAP
     assert found.escaped == 0
 
