@@ -1,4 +1,4 @@
-## lanes, real, weight, ledger_rows; counts (media: those of the scene; media_counted: whether wrong ones are counted)
+## lanes, effects, real, weight, ledger_rows; counts (media: those of the scene; media_counted: whether wrong ones are counted)
 // Media: a ray carries the number of the medium that it is in, and loses weight on its way through it.
 //
 // Number 0 is the vacuum, then come the scene's media in order, then one without a name: what lies beside
@@ -23,8 +23,8 @@ FN lint medium_of_source(const launch_t *launch, const scene_t *scene, wide ray)
 // What lies on a side of the face that is met: number << 1 | whether its surface names it, -1 where that
 // is no border.
 FN lint medium_beside(const launch_t *launch, const scene_t *scene, mask met, lint code, mask plus) {
-    const lint element = SELI(met, ELEMENT_OF(code), lsplat(0L));
-    return gather_long(scene->codes + launch->side_media, (element << 1) | (INT_MASK(plus) & 1L));
+    const lint place = SELI(met, ${"material_of_face(code)" if "face-surfaces" in effects else "ELEMENT_OF(code)"}, lsplat(0L));
+    return gather_long(scene->codes + launch->side_media, (place << 1) | (INT_MASK(plus) & 1L));
 }
 
 // The medium of the ray that goes on: another one where it crosses a border.

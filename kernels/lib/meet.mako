@@ -1,4 +1,4 @@
-## cls: the element class; lanes, orders; rendered once a class
+## cls: the element class; lanes, orders, effects; rendered once a class
 // An element of the class is asked whether a ray meets it, and where nearer than what it has met so
 // far, `h` becomes that.  Where two are equally near, the element named first in the file is hit.
 % if orders:
@@ -11,7 +11,7 @@ FN void meet_${cls.suffix}(const scene_t *scene, __global const double *row, lon
 % if cls.faced:
     lint face;
     const mask ok = hit_${cls.suffix}(row, code, p, left, scene, search, &t, &face);
-    const lint hit_code = WITH_FACE(code, face);
+    const lint hit_code = ${"with_surface(row, WITH_FACE(code, face))" if "face-surfaces" in effects and "own-surfaces" in cls.traits else "WITH_FACE(code, face)"};
 % else:
     mask edge = NO_LANES;
     const mask ok = hit_${cls.suffix}(row, code, p, IEQ(left, lsplat(code)), scene, search, &t, &edge);

@@ -30,7 +30,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % endif
     const image_t before = image_of(p->w);
 % if any(not s.single for s in surfaces):
-    const lint row = MATERIAL_OF(gather_long(scene->codes + launch->material_of, SELI(found, element, lsplat(0L))));
+    const lint row = ${"gather_long(scene->codes + launch->material_of_face, SELI(found, material_of_face(h->code), lsplat(0L)))" if "face-surfaces" in effects else "MATERIAL_OF(gather_long(scene->codes + launch->material_of, SELI(found, element, lsplat(0L))))"};
 % else:
     const lint row = lsplat(0L);
 % endif

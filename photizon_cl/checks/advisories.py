@@ -89,13 +89,15 @@ def _covered_elements(scene: Scene) -> Iterator[str]:
     for element in scene.element:
         shape = (element.position, element.frame, element.faces)
         if shape in first:
-            if not element.surface.counts:  # what light passes lies before it, wherever it is named
+            if not any(
+                s.counts for s in element.surfaces
+            ):  # what light passes lies before it, wherever it is named
                 continue
             yield (
                 f'element "{element.name}" has the very geometry of "{first[shape]}", which is '
                 f'named first and takes every hit: "{element.name}" is never hit'
             )
-        elif not element.surface.transmits:  # what goes through meets the other
+        elif not any(s.transmits for s in element.surfaces):  # what goes through meets the other
             first[shape] = element.name
     yield from coincident_faces(scene)
 
@@ -118,8 +120,7 @@ def _blind_detectors(scene: Scene) -> Iterator[str]:
 
 def _turns(element: Element) -> bool:
     """Say whether light may leave an element in another direction than it came in."""
-    surface = element.surface
-    return surface.reflects or (surface.transmits and surface.counts)
+    return any(s.reflects or (s.transmits and s.counts) for s in element.surfaces)
 
 
 def _is_behind(element: Element, source: Source) -> bool:
@@ -164,11 +165,21 @@ def _capped_cavities(scene: Scene) -> Iterator[str]:
 
 
 def _surfaces(scene: Scene) -> Iterator[str]:
-    for element, surface in zip(scene.element, scene.optics, strict=True):
-        for text in surface.advice():
-            yield f'element "{element.name}" {text}'
-    splitters = [e.name for e in scene.element if e.surface.splits] if scene.splits() else []
-    reflectors = [e.name for e in scene.element if e.surface.reflects and not e.surface.transmits]
+    for element in scene.element:
+        for surface in element.surfaces:
+            named = f'element "{element.name}"'
+            if len(element.surfaces) > 1:
+                faces = [
+                    f.name for n, f in enumerate(element.faces) if element.surface_of(n) == surface
+                ]
+                named = f"{' and '.join(faces)} of {named}"
+            for text in scene.optics[surface].advice():
+                yield f"{named} {text}"
+    splitters = [e.name for e in scene.element if any(s.splits for s in e.surfaces)]
+    splitters = splitters if scene.splits() else []
+    reflectors = [
+        e.name for e in scene.element if any(s.reflects and not s.transmits for s in e.surfaces)
+    ]
     run = scene.run
     growing = scene.roulette_floor() == 0.0 and run.generation_cap > _SPLITTING_CAP
     if splitters and reflectors and growing:

@@ -111,7 +111,7 @@ def _below(element: Element, grid: _Grid) -> str:
     for name, parameter in parameters_of(type(element)).items():
         value = getattr(element, name)
         length = getattr(parameter, "unit", "") == "m" and isinstance(value, float)
-        if length and 0.0 < value < _SHORTEST * rounding:
+        if length and 0.0 < abs(value) < _SHORTEST * rounding:
             return (
                 f'element "{element.name}" is lost in it: its {name} of {value:.3g} m is below '
                 f"{_SHORTEST * rounding:.1e} m, what {_SHORTEST:.0f} roundings of its coordinates "

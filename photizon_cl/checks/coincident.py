@@ -36,9 +36,8 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
     elements = _distinct(scene)
     near = Neighbours(elements)
     planes = PlaneFaces(elements)
-    optics = dict(zip(scene.element.names, scene.optics, strict=True))
-    counts = np.array([e.surface.counts for e in elements], bool)
-    glass = np.array([e.surface.refracts for e in elements], bool)
+    counts = np.array([any(s.counts for s in e.surfaces) for e in elements], bool)
+    glass = np.array([any(s.refracts for s in e.surfaces) for e in elements], bool)
     covered = np.zeros(len(elements), bool)
     told: set[tuple[int, int]] = set()
     looked = 0
@@ -51,7 +50,10 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
             break
         i, j = pair.first, pair.second
         one, other = elements[i], elements[j]
-        if not (glass[i] or glass[j]):
+        at, there = one.surface_of(pair.first_face), other.surface_of(pair.second_face)
+        if not (at.counts and there.counts):
+            continue
+        if not (at.refracts or there.refracts):
             text = None if pair.point else _covered(planes, pair, one, other)
             if text is not None:
                 covered[j] = True
@@ -62,10 +64,12 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
         told.add((i, j))
         if len(told) > _NAMED:
             continue
-        if glass[i] and glass[j]:
-            yield _film(one, other, pair, optics) if pair.opposed else _nested(one, other)
+        if at.refracts and there.refracts:
+            yield _film(one, other, pair, scene.optics) if pair.opposed else _nested(one, other)
+        elif at.refracts:
+            yield _on_glass(pair, one, pair.first_face, other, scene.optics)
         else:
-            yield _on_glass(pair, *((one, other) if glass[i] else (other, one)), optics)
+            yield _on_glass(pair, other, pair.second_face, one, scene.optics)
     if len(told) > _NAMED:
         yield f"{len(told) - _NAMED} more pairs of elements have refracting faces in one place"
     if looked >= _LOOKED:
@@ -80,7 +84,7 @@ def _distinct(scene: Scene) -> list[Element]:
     found: list[Element] = []
     for element in scene.element:
         shape = (element.position, element.frame, element.faces)
-        plain = not element.surface.transmits
+        plain = not any(s.transmits for s in element.surfaces)
         if plain and shape in taken:
             continue
         if plain:
@@ -112,21 +116,23 @@ def _covered(planes: PlaneFaces, pair: Shared, one: Element, other: Element) -> 
     )
 
 
-def _indices(element: Element, optics: Mapping[str, Surface]) -> tuple[float, float]:
-    indices = optics[element.name].indices
+def _indices(element: Element, face: int, optics: Mapping[Surface, Surface]) -> tuple[float, float]:
+    indices = optics[element.surface_of(face)].indices
     assert indices is not None  # it refracts
     return indices
 
 
-def _outside_is(element: Element, index: float) -> str:
-    """Return what makes the inside of an element, of some index, the outside of another."""
-    if element.surface.media is None:
+def _outside_is(element: Element, face: int, index: float) -> str:
+    """Return what makes what lies behind a face, of some index, the outside of another."""
+    media = element.surface_of(face).media
+    if media is None:
         return f"index_outside = {index:g}"
-    return f'medium_outside = "{element.surface.media[0]}"'
+    return f'medium_outside = "{media[0]}"'
 
 
-def _film(one: Element, other: Element, pair: Shared, optics: Mapping[str, Surface]) -> str:
-    (_, outside), (index, apart) = _indices(one, optics), _indices(other, optics)
+def _film(one: Element, other: Element, pair: Shared, optics: Mapping[Surface, Surface]) -> str:
+    _, outside = _indices(one, pair.first_face, optics)
+    index, apart = _indices(other, pair.second_face, optics)
     text = (
         f'elements "{one.name}" and "{other.name}" '
         + ("touch" if pair.point else "have faces in one place")
@@ -141,12 +147,23 @@ def _film(one: Element, other: Element, pair: Shared, optics: Mapping[str, Surfa
         )
     if pair.point:
         return text
-    if one.flat and other.flat:  # a body has one surface for all its faces
+    if _by_face(one) and _by_face(other):
         return text + (
-            f'; to cement them, give "{one.name}" {_outside_is(other, index)} and make '
-            f'"{other.name}" clear'
+            f"; to cement them, give {_face(one, pair.first_face)} "
+            f"{_outside_is(other, pair.second_face, index)} and "
+            f"make {_face(other, pair.second_face)} clear"
         )
     return text
+
+
+def _by_face(element: Element) -> bool:
+    """Say whether one face may have another surface than the rest, which most bodies have not."""
+    return element.flat or "own-surfaces" in element.traits
+
+
+def _face(element: Element, face: int) -> str:
+    name = f'"{element.name}"'
+    return name if element.flat else f"the {element.face_name(face)} of {name}"
 
 
 def _nested(one: Element, other: Element) -> str:
@@ -157,16 +174,18 @@ def _nested(one: Element, other: Element) -> str:
     )
 
 
-def _on_glass(pair: Shared, glass: Element, plain: Element, optics: Mapping[str, Surface]) -> str:
-    inside, outside = _indices(glass, optics)
+def _on_glass(
+    pair: Shared, glass: Element, face: int, plain: Element, optics: Mapping[Surface, Surface]
+) -> str:
+    inside, outside = _indices(glass, face, optics)
     text = (
         f'element "{plain.name}" {"touches" if pair.point else "lies on"} the glass of '
         f'"{glass.name}": light inside leaves that first and passes a film of index {outside:g} '
         f'before it meets "{plain.name}", and what comes from outside meets "{plain.name}" first'
     )
-    if inside == outside or pair.point or not glass.flat:
-        return text  # a body has one surface for all its faces
+    if inside == outside or pair.point or not _by_face(glass):
+        return text
     return text + (
-        f'; where it is meant to touch the glass without a film, give "{glass.name}" '
-        f"{_outside_is(glass, inside)}"
+        f"; where it is meant to touch the glass without a film, give {_face(glass, face)} "
+        f"{_outside_is(glass, face, inside)}"
     )

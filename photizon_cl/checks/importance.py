@@ -22,7 +22,7 @@ def idle_importance(scene: Scene) -> Iterator[str]:
     asked = scene.importance
     if asked is None or not asked.fraction:
         return
-    scattering = [element for element in scene.element if element.surface.scatters]
+    scattering = [element for element in scene.element if any(s.scatters for s in element.surfaces)]
     if not scattering:
         yield (
             "importance: no surface of the scene scatters, so no ray is sent towards anything; "

@@ -10,11 +10,14 @@ from photizon_cl.cli.arguments import PRECISION, add_scene, load_scene, number
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Iterator
 
     from photizon_cl.checks.precision import Precision
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.scene.described import Described
+    from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["add_arguments", "call"]
 
@@ -98,10 +101,8 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
         out.print(Text("elements", "bold"))
     for element in scene.element:
         line(f"{element.name}: {element.kind}, {_describe(element)}")
-        line(
-            f"surface: {' '.join([element.surface.kind, _describe(element.surface)]).strip()}",
-            "    ",
-        )
+        for name, surface in _surfaces(element):
+            line(f"{name}: {' '.join([surface.kind, _describe(surface)]).strip()}", "    ")
         line(_derived(element), "    ")
         if element.detector is not None:
             what = _describe(element.detector) or "power"
@@ -162,6 +163,17 @@ def _memory(compiled: CompiledScene) -> str:
     return on_usual_device(compiled)
 
 
+def _surfaces(element: Element) -> Iterator[tuple[str, Surface]]:
+    """Give an element's surface, and those that faces have of their own, by their keys."""
+    from photizon_cl.scene.described import parameters_of
+    from photizon_cl.scene.surfaces import Surface
+
+    for name in parameters_of(type(element)):
+        value = getattr(element, name)
+        if isinstance(value, Surface):
+            yield name, value
+
+
 def _number(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.9g}"
@@ -179,12 +191,12 @@ def _describe(item: Described) -> str:
 
     What is 0 by default, and is 0, is left out: there is no such thing.
     """
-    from photizon_cl.scene.described import default_of, parameters_of
+    from photizon_cl.scene.described import Described, default_of, parameters_of
 
     parts = []
     for name, parameter in parameters_of(type(item)).items():
         value = getattr(item, name)
-        if name in ("name", "surface", "detector") or value is None:
+        if name == "name" or value is None or isinstance(value, Described):
             continue
         if parameter.silent and value == default_of(type(item), name):
             continue

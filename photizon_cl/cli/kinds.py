@@ -158,7 +158,7 @@ def _default(cls: type[Described], name: str) -> str | None:
     if value is dataclasses.MISSING:
         return None
     if isinstance(value, Described):
-        return "its defaults"
+        return show(value.to_table()) if value.kind else "its defaults"
     return "none" if value is None else show(value)
 
 

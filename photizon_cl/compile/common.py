@@ -82,5 +82,5 @@ def kinds_of(scene: Scene) -> tuple[str, ...]:
     """Return the kinds of a scene's objects in order: scenes of other kinds share no program."""
     return (
         *(source.kernel for source in scene.source),
-        *(f"{element.kernel}/{element.surface.kernel}" for element in scene.element),
+        *("/".join((e.kernel, *(s.kernel for s in e.surfaces))) for e in scene.element),
     )

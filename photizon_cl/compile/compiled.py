@@ -173,8 +173,10 @@ def compile_scene(
     axes = common.axes if common else [element.class_axis for element in scene.element]
     axes = [None] * len(axes) if draft.all_tilted else axes
     draft.classes, class_of = element_classes(scene, kinds, axes)
-    materials, draft.material_of = material_table(scene, stride)
-    surfaces = surface_kinds(scene, kinds, draft.material_of, common)
+    materials, draft.materials = material_table(scene, stride)
+    draft.material_of = [draft.materials[element.surfaces[0]] for element in scene.element]
+    surfaces = surface_kinds(kinds, draft.materials, common)
+    draft.surface_numbers = {surface.kind: surface.number for surface in surfaces}
     sources = source_kinds(scene, kinds)
     draft.element_codes = element_codes(scene, class_of, surfaces, draft.coincident)
     draft.geometry = geometry_table(draft, class_of, stride, effects)
@@ -230,8 +232,8 @@ def _fill(draft: Draft, used: list[tuple[Effect, str]], spec: ProgramSpec) -> No
     else:
         draft.launch["material_of"] = draft.add_codes(draft.material_of)
     first: dict[str, int] = {}
-    for element, at in zip(scene.element, draft.material_of, strict=True):
-        first.setdefault(element.surface.kernel, at)
+    for surface, at in draft.materials.items():
+        first.setdefault(surface.kernel, at)
     for effect, _ in used:
         effect.assemble(draft)
     # of a kind that no element has, nothing is ever read
@@ -300,7 +302,7 @@ def _kinds_in_use(scene: Scene) -> dict[str, str]:
     found: dict[str, str] = {}
     things: list[tuple[str, Any, str]] = [("source", s, s.name) for s in scene.source]
     for e in scene.element:
-        things += [("element", e, e.name), ("surface", e.surface, e.name)]
+        things += [("element", e, e.name), *(("surface", s, e.name) for s in e.surfaces)]
     for group, thing, name in things:
         found.setdefault(
             f"{group}.{thing.kind}",

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.settings import RunSettings
+    from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["Draft"]
 
@@ -51,6 +52,10 @@ class Draft:
         Numbers of the elements whose faces may lie in those of others.
     precision : Precision
         What the kernels compute in.
+    materials : dict of Surface to int
+        Where in the material table the row of each surface begins.
+    surface_numbers : dict of str to int
+        Number of each surface kind, by its kernel.
     """
 
     scene: Scene
@@ -68,6 +73,8 @@ class Draft:
     geometry: NDArray[np.float64] | None = None
     element_codes: list[int] = field(default_factory=list)
     material_of: list[int] = field(default_factory=list)
+    materials: dict[Surface, int] = field(default_factory=dict)
+    surface_numbers: dict[str, int] = field(default_factory=dict)
     codes: list[int] = field(default_factory=list)
     detector_numbers: list[float] = field(default_factory=list)
     edges: list[float] = field(default_factory=list)

@@ -57,7 +57,7 @@ class Kinds:
         return cls(
             group("source", [type(s) for s in scene.source]),
             group("element", [type(e) for e in scene.element]),
-            group("surface", [type(e.surface) for e in scene.element]),
+            group("surface", [type(s) for e in scene.element for s in e.surfaces]),
             len(scene.element),
             general,
         )

@@ -209,7 +209,7 @@ def element_codes(
                     element=n,
                     detector=int(element.detector is not None),
                     coincident=int(n in coincident),
-                    surface=number[element.surface.kernel],
+                    surface=number[element.surfaces[0].kernel],
                     down=int(cls.axis is not None and axis_index(element.axis) % 2 == 1),
                     cls=cls.number,
                 )
@@ -280,31 +280,34 @@ def geometry_table(
 # -- surfaces ------------------------------------------------------------------------------------
 
 
-def material_table(scene: Scene, stride: Strides) -> tuple[list[float], list[int]]:
-    """Rows of the distinct surfaces, and where in them each element's begins."""
+def material_table(scene: Scene, stride: Strides) -> tuple[list[float], dict[Surface, int]]:
+    """Rows of the distinct surfaces in order, and where in them that of each begins."""
     rows: dict[tuple[str, tuple[float, ...]], int] = {}
-    of_element = []
-    for surface in scene.optics:
-        packed = surface.row.pack(surface.packed())
-        padded = (*packed, *(0.0,) * (stride.material - len(packed)))
-        key = (surface.kind, padded)
-        of_element.append(rows.setdefault(key, len(rows) * stride.material))
-    return [x for _, row in rows for x in row], of_element
+    places: dict[Surface, int] = {}
+    for element in scene.element:
+        for surface in element.surfaces:
+            if surface in places:
+                continue
+            optics = scene.optics[surface]
+            packed = optics.row.pack(optics.packed())
+            padded = (*packed, *(0.0,) * (stride.material - len(packed)))
+            key = (surface.kind, padded)
+            places[surface] = rows.setdefault(key, len(rows) * stride.material)
+    return [x for _, row in rows for x in row], places
 
 
 def surface_kinds(
-    scene: Scene, kinds: Kinds, material_of: list[int], common: Common | None = None
+    kinds: Kinds, materials: dict[Surface, int], common: Common | None = None
 ) -> tuple[SurfaceKind, ...]:
     """Return the surface kinds that are compiled in, by name."""
     several = common.several if common else frozenset()
     splitting = common.splitting if common else frozenset()
     rows: dict[str, set[int]] = {cls.kernel: set() for cls in kinds.surfaces}
     made: dict[str, Surface | type[Surface]] = {}
-    for element, at in zip(scene.element, material_of, strict=True):
-        kernel = element.surface.kernel
-        rows.setdefault(kernel, set()).add(at)
-        surface = made.get(kernel, element.surface)
-        made[kernel] = element.surface if element.surface.splits else surface
+    for surface, at in materials.items():
+        rows.setdefault(surface.kernel, set()).add(at)
+        kept = made.get(surface.kernel, surface)
+        made[surface.kernel] = surface if surface.splits else kept
     for cls in kinds.surfaces:
         made.setdefault(cls.kernel, cls)
     return tuple(

@@ -94,9 +94,9 @@ def unordered(elements: Sequence[Element], roundoff: float = ROUNDOFF) -> Iterat
     from the distances and the file: where rounding cannot exchange two opaque faces, or light
     passes both as if nothing were there. Of opaque bodies that are not flat any face may be hit.
     """
-    plain = np.array([_plain(e.surface) for e in elements], bool)
+    plain = np.array([all(map(_plain, e.surfaces)) for e in elements], bool)
     flat = np.array([e.flat for e in elements], bool)
-    passed = np.array([_passed(e.surface) for e in elements], bool)
+    passed = np.array([all(map(_passed, e.surfaces)) for e in elements], bool)
     axes = np.array([e.class_axis if e.flat and e.class_axis is not None else -1 for e in elements])
     if plain.all():  # then it is about flat ones of which some are tilted, often few
         if not (flat & (axes < 0)).any():
@@ -116,7 +116,10 @@ def unordered(elements: Sequence[Element], roundoff: float = ROUNDOFF) -> Iterat
 
     for pair in shared_places(Neighbours(elements, roundoff), wanted):
         i, j = pair.first, pair.second
-        if not (plain[i] and plain[j] and (pair.exact or pair.point)):
+        at = elements[i].surface_of(pair.first_face), elements[j].surface_of(pair.second_face)
+        if all(map(_passed, at)):
+            continue
+        if not (all(map(_plain, at)) and (pair.exact or pair.point)):
             marked[i] = marked[j] = True
             yield i, j
 
@@ -154,7 +157,9 @@ class _Rounds:
     centres, axes : ndarray, shape (faces, 3), float64
         Of the ball in metres, else of the element; and the axis.
     radii : ndarray, shape (faces,), float64
-        Of the ball in metres; not a number of other faces.
+        Of the ball in metres that the face is a part of; not a number of other faces.
+    balls : ndarray, shape (faces,), bool
+        Whether it is given as a ball, whose centre says where it is.
     whole : ndarray, shape (faces,), bool
         Whether it is all of a ball.
     far : ndarray, shape (faces,), float64
@@ -176,7 +181,8 @@ class _Rounds:
             begin.append(len(self.faces))
         self.begin = np.array(begin)
         self.owner, self.number = np.array(owners, np.int64), np.array(numbers, np.int64)
-        balls = [face if isinstance(face, Ball) else None for face in self.faces]
+        balls = [face.ball for face in self.faces]
+        self.balls = np.array([isinstance(face, Ball) for face in self.faces], bool)
         rise = np.array([ball.height if ball else 0.0 for ball in balls])
         self.radii = np.array([ball.radius if ball else math.nan for ball in balls])
         self.whole = np.array([ball is not None and ball.whole for ball in balls], bool)
@@ -215,7 +221,10 @@ def _round_pairs(near: Neighbours, rounds: _Rounds, wanted: Wanted) -> Iterator[
         axis = np.where(rounds.whole[i, None], axes[j], axes[i])
         aside = np.linalg.norm(np.cross(centres[j] - centres[i], axis), axis=1)
         coaxial = (parallel | rounds.whole[i] | rounds.whole[j]) & (aside <= room)
-        same = np.where(balls, (apart <= room) & (difference <= room), coaxial)
+        # not of shallow ones, whose centres are far away: there the profiles are compared
+        centred = rounds.balls[i] & rounds.balls[j]
+        same = np.where(centred, (apart <= room) & (difference <= room), coaxial)
+        touching &= centred | ~same
         for k in np.flatnonzero(touching | same).tolist():
             a, b, slack = int(i[k]), int(j[k]), 4.0 * float(room[k])
             shared = _compared(rounds, a, b, slack, point=bool(touching[k]))
@@ -228,21 +237,22 @@ def _compared(rounds: _Rounds, a: int, b: int, room: float, *, point: bool) -> S
     first, second = (rounds.elements[rounds.owner[n]] for n in (a, b))
     at = int(rounds.number[a]), int(rounds.number[b])
     if point:
-        assert isinstance(one, Ball)
-        assert isinstance(other, Ball)
+        first_ball, second_ball = one.ball, other.ball
+        assert first_ball is not None
+        assert second_ball is not None
         way = rounds.centres[b] - rounds.centres[a]
         way /= np.linalg.norm(way)
-        outside = one.radius + other.radius
+        outside = first_ball.radius + second_ball.radius
         apart = float(np.linalg.norm(rounds.centres[b] - rounds.centres[a]))
         inner = abs(apart - outside) > room  # one ball in the other
-        sign = -1.0 if inner and one.radius < other.radius else 1.0
-        touched = [tuple((rounds.centres[a] + sign * one.radius * way).tolist())]
+        sign = -1.0 if inner and first_ball.radius < second_ball.radius else 1.0
+        touched = [tuple((rounds.centres[a] + sign * first_ball.radius * way).tolist())]
         if not (
             rounds.lies_on(touched, first, at[0], room)
             and rounds.lies_on(touched, second, at[1], room)
         ):
             return None
-        opposed = (one.sense * other.sense > 0.0) != inner
+        opposed = (first_ball.sense * second_ball.sense > 0.0) != inner
     else:
         if not _coincide(rounds, a, b, room):
             return None
@@ -329,7 +339,9 @@ def _tangent(
             and rounds.lies_on([foot], curved, faces[1], slack)
         ):
             continue
-        sense = planes.faces[plane].sense * rounds.faces[ball].sense
+        curved_ball = rounds.faces[ball].ball
+        assert curved_ball is not None
+        sense = planes.faces[plane].sense * curved_ball.sense
         turned = numbers[0] > numbers[1]
         first, second = numbers[::-1] if turned else numbers
         first_face, second_face = faces[::-1] if turned else faces

@@ -41,7 +41,7 @@ def to_world(element: Element, local: Line) -> Line:
     return np.asarray(local @ np.array(element.frame) + np.array(element.position))
 
 
-def cut(element: Element, axis: int, at: float) -> list[Line]:
+def cut(element: Element, axis: int, at: float, number: int | None = None) -> list[Line]:
     """Return the curves in which a plane cuts an element.
 
     Parameters
@@ -52,6 +52,8 @@ def cut(element: Element, axis: int, at: float) -> list[Line]:
         World axis (0, 1, 2) across which the plane lies.
     at : float
         Its coordinate in metres.
+    number : int, optional
+        Only of this face.
 
     Returns
     -------
@@ -61,10 +63,10 @@ def cut(element: Element, axis: int, at: float) -> list[Line]:
     frame = np.array(element.frame)
     normal, offset = frame[:, axis], at - element.position[axis]
     lines: list[Line] = []
-    for face in _faces(element):
+    for face in _faces(element) if number is None else [element.faces[number]]:
         if isinstance(face, Plane):
-            lines += _cut_plane(face, normal, offset)
-        else:
+            lines += [] if face.empty else _cut_plane(face, normal, offset)
+        elif isinstance(face, Revolved):
             lines += _cut_revolved(face, normal, offset)
     return [to_world(element, line) for line in lines]
 

@@ -361,7 +361,7 @@ def check_batch(compiled: CompiledScene, batch: int, cells: NDArray[np.int64] | 
         (power,), (taken,) = (exact(whole_of(cells, at, 1)) for at in (d.power, d.element))
         element = compiled.scene.element[d.element]
         # what passes is not taken, and passes as often as it comes
-        if power < 0 or (element.surface.counts and power > taken):
+        if power < 0 or (all(s.counts for s in element.surfaces) and power > taken):
             name = element.name
             raise RunError(
                 f"batch {batch}: the detector on {name!r} shows more than the element absorbed: "

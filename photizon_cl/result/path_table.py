@@ -374,8 +374,9 @@ class _About:
         return [
             Step(element.name, face, "", refracting=True).place
             for element in self.compiled.scene.element
-            if element.surface.refracts
-            for face in element.face_names
+            for face in dict.fromkeys(
+                face.name for n, face in enumerate(element.faces) if element.surface_of(n).refracts
+            )
         ]
 
     def _split(self, columns: NDArray[np.int64]) -> tuple[NDArray[np.float64], float]:

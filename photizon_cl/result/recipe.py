@@ -25,6 +25,7 @@ from photizon_cl.scene.limits import LARGEST_FILE, json_excess
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import preset_names
 from photizon_cl.scene.reader import read_scene
+from photizon_cl.scene.sweep_values import plain_value
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -92,7 +93,9 @@ class RecipeText:
             "version": self.version,
             "engine": self.engine,
         }
-        text = json.dumps(content, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+        text = json.dumps(
+            plain_value(content), separators=(",", ":"), ensure_ascii=True, allow_nan=False
+        )
         packed = zlib.compress(text.encode("ascii"), 9)
         return _PREFIX + base64.urlsafe_b64encode(packed).rstrip(b"=").decode("ascii")
 

@@ -180,8 +180,9 @@ def words(scene: Scene, steps: NDArray[np.int64], known: dict[int, Step]) -> tup
     """Return the steps of a path by their names; `known` are those that were made before."""
     for step in set(steps.tolist()) - known.keys():
         item = scene.element[step >> 20]
-        face = item.face_name((step >> 4) & 0xFFFF)
-        known[step] = Step(item.name, face, EVENTS[step & 15], item.surface.refracts)
+        number = (step >> 4) & 0xFFFF
+        refracts = item.surface_of(number).refracts
+        known[step] = Step(item.name, item.face_name(number), EVENTS[step & 15], refracts)
     return tuple(known[step] for step in steps.tolist())
 
 

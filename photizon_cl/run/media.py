@@ -71,7 +71,10 @@ def clashing_media(scene: Scene, device: DeviceRecord | str | None = None) -> li
     ArgumentError, RunError
         Where there is no usable device, or it fails.
     """
-    if not any(e.surface.refracts for e in scene.element) or len(scene.element) > _MOST_ELEMENTS:
+    if (
+        not any(s.refracts for e in scene.element for s in e.surfaces)
+        or len(scene.element) > _MOST_ELEMENTS
+    ):
         return []
     run = dataclasses.replace(scene.run, roulette_floor=0.0)
     found = paths(
@@ -90,7 +93,8 @@ class _Walk:
 
     def __init__(self, scene: Scene, found: Paths, device: DeviceRecord | str | None) -> None:
         self.scene, self.found = scene, found
-        self.indices = [surface.indices for surface in scene.optics]
+        self.places = _Places(scene)
+        self.indices = self.places.indices
         self.clashes: dict[tuple[int, float, int, float], _Meeting]
         self.met: NDArray[np.float64]
         """Weight that meets each refracting element in a medium that is known."""
@@ -100,13 +104,21 @@ class _Walk:
         """Weight that ends, by the index of the medium."""
         self._go(*_sides(scene, found, device))
 
-    def _go(self, start_side: NDArray[np.int64], end_side: NDArray[np.int64]) -> None:
-        found, met, weight = self.found, self.found.element, self.found.weight
+    def _go(
+        self,
+        start_side: NDArray[np.int64],
+        end_side: NDArray[np.int64],
+        start_face: NDArray[np.int64],
+        end_face: NDArray[np.int64],
+    ) -> None:
+        found, weight = self.found, self.found.weight
+        met = self.places.of(found.element, end_face)
         # the last row is that of no element, which is number -1
         both = np.array([*(pair or (np.nan, np.nan) for pair in self.indices), (np.nan, np.nan)])
         bends = ~np.isnan(both[:, 0])
         goes_on = found.parent >= 0
-        left = np.where(goes_on, met[found.parent], -1)
+        before = np.where(goes_on, found.element[found.parent], -1)
+        left = self.places.of(before, start_face)
         told = bends[left] & (start_side != 0)
         at = np.where(told, both[left, (start_side > 0).astype(int)], np.nan)
         said_by = np.where(told, left, -1)
@@ -143,9 +155,9 @@ class _Walk:
         return [text for _, text in strongest[:_NAMED]] or self._in_glass_throughout()
 
     def _sentence(self, left: int, index: float, met: int, other: float, part: float) -> str:
-        a, b = self.scene.element[left], self.scene.element[met]
+        a, b = self.places.names[left], self.places.names[met]
         return (
-            f'light that leaves "{a.name}" in a medium of index {index:.9g} meets "{b.name}" as '
+            f"light that leaves {a} in a medium of index {index:.9g} meets {b} as "
             f"from one of {other:.9g} ({100.0 * part:.3g} % of what meets it, by a pilot): "
             + self._causes(left, index, met, other)
         )
@@ -154,7 +166,7 @@ class _Walk:
         # one that has these two indices fits the other way round; a body is its own inside
         fits = []
         for n in (left, met):
-            face, both = self.scene.element[n].sole_face, self.indices[n]
+            face, both = self.scene.element[self.places.owner[n]].sole_face, self.indices[n]
             if face is None or isinstance(face, Ball) or both is None:
                 continue
             if np.allclose(sorted(both), sorted((index, other)), rtol=_SAME, atol=0.0):
@@ -165,7 +177,7 @@ class _Walk:
         )
         if not fits:
             return f"an {indices}"
-        names = " or ".join(f'"{self.scene.element[n].name}"' for n in fits)
+        names = " or ".join(self.places.names[n] for n in fits)
         return f"{names} is the wrong way round, and the opposite axis turns it; or an {indices}"
 
     def _in_glass_throughout(self) -> list[str]:
@@ -181,35 +193,83 @@ class _Walk:
             or self.ends.get(index, 0.0) < _THROUGHOUT * ends
         ):
             return []
-        name = self.scene.element[met].name
+        name = self.places.names[met]
         said = (
-            f'light of the sources meets "{name}" as from a medium of index {index:.9g}, and most '
+            f"light of the sources meets {name} as from a medium of index {index:.9g}, and most "
             "of it ends in that too: unless all of the scene is in it, faces are the wrong way "
             "round, and the opposite axis turns them"
         )
         return [said]
 
 
+class _Places:
+    """What has indices of its own: elements, and the faces of those with several surfaces.
+
+    Attributes
+    ----------
+    owner : list of int
+        Number of each one's element.
+    indices : list of (float, float) or None
+        As `Surface.indices` gives them.
+    names : list of str
+        For sentences.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.owner: list[int] = []
+        self.indices: list[tuple[float, float] | None] = []
+        self.names: list[str] = []
+        first, several = [], []
+        for n, element in enumerate(scene.element):
+            first.append(len(self.owner))
+            several.append(len(element.surfaces) > 1)
+            for k in range(len(element.faces) if several[-1] else 1):
+                self.owner.append(n)
+                self.indices.append(scene.optics[element.surface_of(k)].indices)
+                of = f"{element.face_name(k)} of " if several[-1] else ""
+                self.names.append(f'{of}"{element.name}"')
+        # the last ones are for no element, which is number -1
+        self._first, self._several = np.array([*first, -1]), np.array([*several, False])
+
+    def of(self, element: NDArray[np.int64], face: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the numbers of the places that faces of elements are, -1 of none."""
+        known = self._several[element] & (face >= 0)
+        return np.asarray(self._first[element] + np.where(known, face, 0))
+
+
 def _sides(
     scene: Scene, found: Paths, device: DeviceRecord | str | None
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return on which side of the faces at its ends each segment lies.
+) -> tuple[NDArray[np.int64], ...]:
+    """Return on which side of the faces at its ends each segment lies, and which faces those are.
 
-    1 on the side of the normal, -1 behind it, 0 where that is not known. Seen from the middle of
-    the segment, where no face is near.
+    1 on the side of the normal, -1 behind it, 0 where that is not known; of faces the numbers, -1
+    where they are not known. Seen from the middle of the segment, where no face is near.
     """
     along = found.end - found.start
     middle = found.start + 0.5 * along
     inside = np.flatnonzero((along != 0.0).any(axis=1))
     before = np.where(found.parent >= 0, found.element[found.parent], -1)
     sides = np.zeros((2, len(found)), np.int64)
+    faces = np.full((2, len(found)), -1, np.int64)
     towards = np.concatenate([-along[inside], along[inside]])
     seen = probe(scene, np.tile(middle[inside], (2, 1)), towards, device)
     facing = np.sign(-(towards * seen.normal).sum(axis=1))
     wanted = np.concatenate([before[inside], found.element[inside]])
     known = (seen.element == wanted) & (seen.element >= 0)
     sides[:, inside] = np.where(known, facing, 0.0).reshape(2, -1)
-    return sides[0], sides[1]
+    numbers = [
+        _face_number(scene, n, name) for n, name in zip(seen.element, seen.face, strict=True)
+    ]
+    faces[:, inside] = np.where(known, numbers, -1).reshape(2, -1)
+    return sides[0], sides[1], faces[0], faces[1]
+
+
+def _face_number(scene: Scene, element: int, name: str) -> int:
+    """Return the number of an element's first face of a name, -1 where that makes no difference."""
+    met = scene.element[element] if element >= 0 else None
+    if met is None or len(met.surfaces) == 1:
+        return -1
+    return [face.name for face in met.faces].index(name)
 
 
 def _grouped(

@@ -68,7 +68,7 @@ class Wanted:
                 raise unknown_name("via", name, known)
         faces = [tuple(face.name for face in item.faces) for item in scene.element]
         number = names.index(ending_on)
-        passing = not scene.element[number].surface.counts
+        passing = not all(s.counts for s in scene.element[number].surfaces)
         return cls(number, passing, [known[name] for name in via], faces)
 
     def of_these(self, raw: RawPaths, most: int) -> RawPaths:

@@ -266,6 +266,11 @@ class Revolved(Face):
         Places are numbers from 0 to 1, which are the rims. The height goes up or down all the way.
         """
 
+    @property
+    def ball(self) -> Ball | None:
+        """The ball that it is a part of, whose sense is its own; None where it is of none."""
+        return None
+
     def place_at(self, height: float) -> float:
         """Return the place of the profile at a height; the nearer end beyond either."""
         ends = self.profile(np.array([0.0, 1.0]))[1]
@@ -376,6 +381,10 @@ class Ball(Revolved):
     height: float = 0.0
     polar: tuple[float, float] = (0.0, math.pi)
     pole: float = 1.0
+
+    @property
+    def ball(self) -> Ball:  # noqa: D102
+        return self
 
     @property
     def whole(self) -> bool:

@@ -207,25 +207,27 @@ class Scene(Described):
         return {VACUUM: 1.0, **{medium.name: medium.index for medium in self.medium}}
 
     @cached_property
-    def optics(self) -> tuple[Surface, ...]:
-        """The elements' surfaces in order, with numbers where they name media."""
+    def optics(self) -> dict[Surface, Surface]:
+        """The elements' surfaces, each with numbers where it names media."""
         index_of = self.index_of
-        return tuple(element.surface.among(index_of) for element in self.element)
+        return {s: s.among(index_of) for element in self.element for s in element.surfaces}
 
     @property
     def names_media(self) -> bool:
         """Whether there is any medium by name, other than the vacuum around it all."""
-        return bool(self.medium) or any(e.surface.media is not None for e in self.element)
+        return bool(self.medium) or any(
+            s.media is not None for e in self.element for s in e.surfaces
+        )
 
     @property
     def splitter(self) -> Element | None:
         """The first element whose surface makes two rays of one; None where there is none."""
-        return next((element for element in self.element if element.surface.splits), None)
+        return next((e for e in self.element if any(s.splits for s in e.surfaces)), None)
 
     @property
     def scatters(self) -> bool:
         """Whether any surface sends a ray on in a direction drawn from a density."""
-        return any(element.surface.scatters for element in self.element)
+        return any(s.scatters for e in self.element for s in e.surfaces)
 
     def splits(self, run: RunSettings | None = None) -> bool:
         """Say whether rays go on as two in this scene, run so; default `self.run`."""

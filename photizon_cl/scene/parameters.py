@@ -39,7 +39,6 @@ LARGEST: Final = 1e150
 """Range of lengths and powers: beyond it, squares leave the range of fp64."""
 
 NAME_LENGTH: Final = 64
-
 METADATA_KEY = "photizon_cl"
 
 
@@ -126,6 +125,31 @@ class NumberOrWord(Number):
 
     def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
         return value if value == self._word else super().read(value, path, problems)
+
+
+class SignedRadius(Parameter):
+    """A radius of curvature: a length of either sign, or infinity, which JSON writes as "inf"."""
+
+    @property
+    def expected(self) -> str:  # noqa: D102
+        return (
+            "a radius in metres, from 1e-150 to 1e150, negative where the face is concave, or inf "
+            "where it is flat"
+        )
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        if isinstance(value, str) and value == "inf":
+            return math.inf
+        if isinstance(value, bool) or not isinstance(value, Real):
+            return self.refuse(value, path, problems, _not_a_number(value))
+        try:
+            radius = float(value)
+        except OverflowError:
+            return self.refuse(value, path, problems, "too large for a double")
+        if radius == math.inf or SMALLEST <= abs(radius) <= LARGEST:
+            return radius
+        hint = {-math.inf: "a flat face is inf, without a sign", 0.0: "a flat face is inf"}
+        return self.refuse(value, path, problems, hint.get(radius, ""))
 
 
 class Integer(Parameter):
@@ -347,6 +371,11 @@ def positive_length(meaning: str) -> dict[str, Parameter]:
     """Declare a positive length in metres."""
     text = "a positive length in metres, from 1e-150 to 1e150"
     return declare(Number(text, SMALLEST, LARGEST, meaning=meaning, unit="m"))
+
+
+def signed_radius(meaning: str) -> dict[str, Parameter]:
+    """Declare a radius of curvature in metres, of either sign or infinite."""
+    return declare(SignedRadius(meaning, "m"))
 
 
 def positive_power(meaning: str) -> dict[str, Parameter]:

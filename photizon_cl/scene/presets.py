@@ -20,6 +20,7 @@ _NAMES: Final = (
     "cassegrain",
     "baffled-telescope",
     "absorbing-cuvette",
+    "aspheric-condenser",
 )
 
 _ANCHOR: Final = "Anchor:"

@@ -18,6 +18,7 @@ from photizon_cl.scene.elements.conic import Conic as Conic
 from photizon_cl.scene.elements.cpc import Cpc as Cpc
 from photizon_cl.scene.elements.cylinder import Cylinder as Cylinder
 from photizon_cl.scene.elements.disk import Disk as Disk
+from photizon_cl.scene.elements.general_lens import Lens as Lens
 from photizon_cl.scene.elements.plano_convex import PlanoConvex as PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle as Rectangle
 from photizon_cl.scene.elements.sphere import Sphere as Sphere
@@ -70,6 +71,7 @@ ELEMENTS: Final[dict[str, type[_Element]]] = _by_kind(
     Cylinder,
     Cone,
     Conic,
+    Lens,
 )
 
 SURFACES: Final[dict[str, type[_Surface]]] = _by_kind(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from photizon_cl.atomic import reason, replacing
 from photizon_cl.errors import ArgumentError, show
+from photizon_cl.scene.sweep_values import plain_value
 
 if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
@@ -30,7 +31,8 @@ def to_toml(scene: Scene) -> str:
 
 def to_json(scene: Scene) -> str:
     """Return the scene as the text of a JSON file; `load` reads back an equal scene."""
-    return json.dumps(scene.to_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    tables = plain_value(scene.to_dict())
+    return json.dumps(tables, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:

@@ -16,11 +16,13 @@ from photizon_cl.scene.elements.conic import Conic
 from photizon_cl.scene.elements.cpc import Cpc
 from photizon_cl.scene.elements.cylinder import Cylinder
 from photizon_cl.scene.elements.disk import Disk
+from photizon_cl.scene.elements.general_lens import Lens
 from photizon_cl.scene.elements.plano_convex import PlanoConvex
 from photizon_cl.scene.elements.rectangle import Rectangle
 from photizon_cl.scene.elements.sphere import Sphere
 from photizon_cl.scene.frames import frame
 from photizon_cl.stability.digits import Vector, add, dot, load_digits, norm, scaled
+from photizon_cl.stability.lens_bodies import EdgeShape, SheetShape, lens_sizes
 from photizon_cl.stability.quadrics import Quadric, lengths_of
 
 if TYPE_CHECKING:
@@ -257,12 +259,28 @@ class Paraboloid(Face):
         return t
 
 
-class Wall(Quadric, Face):
-    """The wall of a cylinder, a cone or a conic."""
+class Solved(Face):
+    """A face that says itself where a line meets it, and where it is deepest."""
+
+    @abstractmethod
+    def line(self, o: Vector, d: Vector, s: Vector) -> tuple[list[Any], Any]:
+        """Return distances, ascending, and that of the deepest place, or None."""
 
     def roots(self, o: Vector, d: Vector, s: Vector) -> Roots:
         """Return where a line meets it."""
         return Roots(*self.line(o, d, s))
+
+
+class Wall(Quadric, Solved):
+    """The wall of a cylinder, a cone or a conic."""
+
+
+class LensSheet(SheetShape, Solved):
+    """A face of a lens."""
+
+
+class LensEdge(EdgeShape, Solved):
+    """The edge of a lens."""
 
 
 def _rectangle(p: Vector, s: Vector) -> Vector:
@@ -315,6 +333,8 @@ def _sizes(element: Element) -> tuple[Any, ...]:
         case Biconvex():
             a = element.aperture_radius
             return (a, _depth(element.front_radius, a), _depth(element.back_radius, a))
+        case Lens():
+            return lens_sizes(element)
         case Cylinder() | Cone() | Conic():
             return lengths_of(element)
     raise TypeError(element.kind)
@@ -372,6 +392,9 @@ def faces_of(element: Element) -> list[Face]:
             return [Plane(2, -1, _zero, _disk), _cap(1, 1)]
         case Biconvex():
             return [_cap(1, 1), _cap(2, -1)]
+        case Lens():
+            edge: list[Face] = [LensEdge()] if element.edge_thickness else []
+            return [LensSheet(1), LensSheet(-1), *edge]
         case Cylinder() | Cone() | Conic():
             return [Wall(element)]
     raise TypeError(element.kind)

@@ -47,7 +47,9 @@ def black(
 ) -> Element:
     """Return a black element whose lengths are multiplied by a scale."""
     lengths = {
-        key: value if key.endswith(("_deg", "fraction", "baffles", "constant")) else value * scale
+        key: value
+        if key.endswith(("_deg", "fraction", "baffles", "constant", "conic"))
+        else value * scale
         for key, value in sizes.items()
     }
     x, y, z = (float(c) * scale for c in at)

@@ -7,8 +7,9 @@ import random
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.scene.elements.cone import Cone
-from photizon_cl.scene.elements.conic import Conic, equator
+from photizon_cl.scene.elements.conic import Conic
 from photizon_cl.scene.elements.cylinder import Cylinder
+from photizon_cl.scene.elements.sheets import equator
 from photizon_cl.stability.build import SCALES, TILT, aimed, black, turned
 from photizon_cl.stability.case import Case, Left
 

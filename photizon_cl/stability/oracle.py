@@ -166,10 +166,11 @@ def _candidate(posed: _Posed, index: int, t: Any) -> tuple[Candidate, list[tuple
     k_t, k_p, k_n = abs(t), norm(point), mp.mpf(1)
     k_m = [abs(m) for m in margins]
     for i, scale in enumerate(posed.scales):
-        if not scale or slope == 0:
+        if not scale:
             continue
         x, step = posed.moved(i)
-        shift = -posed.value(face, x, t) / slope
+        # where a ray touches the face, it is the place on the ray that moves, not the distance
+        shift = -posed.value(face, x, t) / slope if slope else mp.mpf(0)
         p, n, m = posed.outputs(face, x, t + shift)
         k_t += abs(shift) / step * scale
         k_p += norm(add(p, -1, point)) / step * scale

@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, Final
 from hostcode.program.precision import FP64, PRECISIONS
 from photizon_cl.atomic import reason
 from photizon_cl.errors import ArgumentError, show
-from photizon_cl.stability import families, families_local, families_mixed, families_round
+from photizon_cl.stability import (
+    families,
+    families_lens,
+    families_local,
+    families_mixed,
+    families_round,
+)
 from photizon_cl.stability.fresnel import measure_fresnel
 from photizon_cl.stability.measure import Measured, measure
 from photizon_cl.stability.oracle import FIRM
@@ -69,6 +75,14 @@ FAMILIES: Final[dict[str, Callable[[], Iterator[Case]]]] = {
     "round, departed": families_round.round_departed,
     "round, far and near": families_round.round_far,
     "round, axis": families_round.round_axis,
+    "glass, faces": families_lens.glass_faces,
+    "glass, rims": families_lens.glass_rims,
+    "glass, tangent": families_lens.glass_tangent,
+    "glass, vertex": families_lens.glass_vertex,
+    "glass, inside": families_lens.glass_inside,
+    "glass, chord": families_lens.glass_chord,
+    "glass, origin on it": families_lens.glass_on_it,
+    "glass, far and near": families_lens.glass_far,
     "nearly coincident": families_mixed.nearly_coincident,
     "touching": families_mixed.touching,
     "shared edges": families_mixed.shared_edges,

@@ -39,6 +39,10 @@ KINDS: dict[str, tuple[dict[str, Any], tuple[float, float, float], tuple[float, 
         {"front_radius": 0.8, "back_radius": 0.7, "aperture_radius": 0.4},
         (0, 0.1, 0.5), (0, 0.02, 0.03),
     ),
+    "lens": (
+        {"front_radius": -0.8, "back_radius": 0.7, "thickness": 0.2, "aperture_radius": 0.4},
+        (0, 0.1, 0.5), (0, 0.02, 0.03),
+    ),
 }  # fmt: skip
 """Parameters, and where a lamp stands on either side, with the axis along +z."""
 MAPS = ("rectangle", "disk", "sphere", "cylinder")

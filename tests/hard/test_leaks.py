@@ -11,10 +11,12 @@ import pytest
 from oracles.engine import PLAN, trace
 from oracles.walks import LENSES, PLACES, SILVER, TILT, WHITE, U, follow, unit
 
+from benchmarks.leaks import LENSES as SHAPES
 from benchmarks.leaks import closed_bodies
 from hostcode.run.probe import NO_FACE
 from photizon_cl.scene.elements.baffled_tube import BaffledTube
 from photizon_cl.scene.elements.biconvex import Biconvex
+from photizon_cl.scene.elements.general_lens import Lens
 from photizon_cl.scene.frames import frame
 from photizon_cl.stability.families_mixed import room
 
@@ -45,7 +47,10 @@ def bodies() -> list[Any]:
 @pytest.mark.parametrize("name", bodies())
 def test_nothing_leaks_out_of_closed_bodies(name: str) -> None:
     """10^6 interactions in each body; ``python -m benchmarks.leaks`` makes 10^9 in each."""
-    found = trace(closed_bodies()[name], rays_per_batch=500, generation_cap=CAP, seed=1, plan=PLAN)
+    found = trace(
+        closed_bodies()[name], rays_per_batch=500, generation_cap=CAP, seed=1, plan=PLAN,
+        splitting=False, roulette_floor=0.0,
+    )  # fmt: skip
     assert found.interactions == 500 * CAP
     assert found.escaped == 0
 
@@ -129,6 +134,31 @@ def test_rays_at_the_rims_of_lenses_stay_inside() -> None:
             start = np.stack([*(0.3 * r.uniform(-1, 1, (2, 3000))), np.zeros(3000)], axis=1)
             found = follow([lens], start @ rows + at, unit((rim - start) @ rows), 30)
             assert (found.left != NO_FACE).all()
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.1)], ids=["origin", "aside"])
+def test_rays_at_both_rims_of_lenses_with_edges_stay_inside(at: Any) -> None:
+    """From the glass to a rim, or to what an edge like a knife leaves of two, then 30 bounces."""
+    r = np.random.default_rng(9)
+    for n, shape in enumerate(SHAPES.values()):
+        for surface in (SILVER, WHITE):
+            lens = Lens(
+                name="lens", position=at, axis="+z", tilt_deg=TILT if n % 2 else (0.0, 0.0),
+                aperture_radius=1.0, **shape, surface=surface, edge=WHITE,
+            )  # fmt: skip
+            phi = 2 * math.pi * r.random(2000)
+            beside = 1 + r.choice([0.0, U, -U, 1e-15, -1e-15, 1e-12, -1e-12], 2000)
+            z = 0.5 * lens.edge_thickness * r.choice([1.0, -1.0], 2000)
+            rim = np.stack([beside * np.cos(phi), beside * np.sin(phi), z], axis=1)
+            rows = np.array(lens.frame)
+            low, high = lens.vertices[1], lens.vertices[0]
+            middle = low + (high - low) * r.uniform(0.3, 0.7, 2000)
+            start = np.stack([*(0.02 * r.uniform(-1, 1, (2, 2000))), middle], axis=1)
+            found = follow([lens], start @ rows + at, unit((rim - start) @ rows), 30)
+            assert (found.left != NO_FACE).all()
+            assert not np.isnan(found.point).any()
+            away = np.linalg.norm(found.point - np.array(at), axis=-1)
+            assert away.max() <= lens.reach * (1.0 + 1e-12)
 
 
 def test_rays_at_the_joints_of_baffles_stay_in_their_chamber() -> None:

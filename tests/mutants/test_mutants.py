@@ -453,6 +453,11 @@ MUTANTS = (
         lambda: gates.preset_agrees("integrating-sphere"),
     ),
     Mutant(
+        "what is reflected in a hollow does not meet it again",
+        {"lens.hollow": "NO_LANES"},
+        gates.hollow_faces_are_met_again,
+    ),
+    Mutant(
         "a disk's rim is no part of the wall that ends there",
         {"revolved.beside": "near"},
         gates.round_corners_hold,

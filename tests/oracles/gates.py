@@ -219,6 +219,19 @@ def round_corners_hold() -> None:
             assert curved.leaks_of(region, *curved.rays_in(r, region, 1000)) == (0, 0), kind
 
 
+def hollow_faces_are_met_again() -> None:
+    """A beam at sin 50° into a hollow hemisphere meets it at 50° and at −30° from its pole."""
+    hollow = {
+        "kind": "lens", "name": "hollow", "position": [0.0, 0.0, 0.0], "axis": "+z",
+        "front_radius": -1.0, "back_radius": 5.0, "thickness": 0.2, "aperture_radius": 1.0,
+        **mirror(1.0),
+    }  # fmt: skip
+    lamp = {**beam((math.sin(math.radians(50.0)), 0.0, 3.0), "-z", 1e-3)}
+    traced = trace(scene_of([lamp], [hollow]), rays_per_batch=256)
+    assert traced.interactions == 2 * 256
+    assert traced.escaped > 0
+
+
 def far_field_bins() -> None:
     """A beam in the middle of a bin's range of directions lights that bin and no other."""
     n_mu, n_phi = 6, 8

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.usefixtures("one_lane")
 
 NEW = (
     "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
-    "baffled-telescope", "absorbing-cuvette",
+    "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
 )  # fmt: skip
 
 

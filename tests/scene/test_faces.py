@@ -55,7 +55,11 @@ def elements(**where: Any) -> list[Element]:
             inner_radius=0.1,
             **where,
         ),
-    ]
+        pz.Lens(
+            name="lens", front_radius=-0.6, back_radius=0.5, back_conic=-1.5, thickness=0.3,
+            aperture_radius=0.4, **where,
+        ),
+    ]  # fmt: skip
 
 
 KINDS = [e.kind for e in elements(**WHERE)]
@@ -70,6 +74,7 @@ NAMES = {
     "cylinder": ("wall",),
     "cone": ("wall",),
     "conic": ("sheet",),
+    "lens": ("front", "back", "edge"),
 }
 
 

@@ -38,7 +38,7 @@ def test_rows_of_the_registry(label, kind, cls):
 def test_kinds_of_the_contract():
     assert set(ELEMENTS) >= {
         "rectangle", "disk", "sphere", "cpc", "baffled-tube", "plano-convex", "biconvex",
-        "cylinder", "cone", "conic",
+        "cylinder", "cone", "conic", "lens",
     }  # fmt: skip
     assert set(SURFACES) >= {"absorber", "mirror", "lambertian", "fresnel", "clear", "mixed"}
     assert set(SOURCES) >= {
@@ -54,7 +54,7 @@ def test_every_kind_has_an_effect():
     words = {name for name in EFFECTS if "." not in name}
     assert words >= {
         "splitting", "roulette", "tilt", "port", "contact", "acceleration", "far-field", "detector",
-        "map", "ladder", "shares", "coincidence",
+        "map", "ladder", "shares", "coincidence", "face-surfaces",
     }  # fmt: skip
     assert all(effect.what and effect.costs for effect in EFFECTS.values())
     with pytest.raises(TypeError):

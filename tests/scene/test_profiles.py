@@ -12,7 +12,7 @@ import pytest
 import photizon_cl as pz
 from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.wedges import edge_factors
-from photizon_cl.scene.elements.conic import equator
+from photizon_cl.scene.elements.sheets import equator
 from photizon_cl.scene.faces import Revolved
 
 WHERE: dict[str, Any] = {"name": "one", "position": (0.0, 0.0, 0.0), "axis": "+z"}

@@ -24,13 +24,15 @@ if TYPE_CHECKING:
 KINDS = {kind: cls for group in (SOURCES, ELEMENTS, SURFACES) for kind, cls in group.items()}
 ORDINARY = {"disk_usage"}
 """Identifiers that are another's."""
-WORDS = ("clear", "mixed")
+WORDS = ("clear", "mixed", "lens")
 """Kinds that are ordinary words: only their class, their function or a string of nothing else names
 them."""
 ELSEWHERE = {("hostcode/program/precision.py", "mixed")}
 """Where a word means something else: a precision."""
-_OWN = re.compile(rf"meet_({'|'.join(WORDS)})|{'|'.join(word.capitalize() for word in WORDS)}")
-_QUOTED = re.compile(rf"meet_({'|'.join(WORDS)})|[\"']({'|'.join(WORDS)})[\"']")
+_OWN = re.compile(
+    rf"(meet|hit)_({'|'.join(WORDS)})|{'|'.join(word.capitalize() for word in WORDS)}"
+)
+_QUOTED = re.compile(rf"(meet|hit)_({'|'.join(WORDS)})|[\"']({'|'.join(WORDS)})[\"']")
 _STRINGS = {tokenize.STRING, getattr(tokenize, "FSTRING_MIDDLE", None)}
 
 

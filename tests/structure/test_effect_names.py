@@ -28,7 +28,8 @@ SHOWN_IN = (
 )  # fmt: skip
 KERNELS = {
     "contact": {
-        "elements/baffled_tube", "elements/cpc", "elements/disk", "elements/plano_convex",
+        "elements/baffled_tube", "elements/cpc", "elements/disk", "elements/lens",
+        "elements/plano_convex",
         "elements/rectangle", "elements/sphere", "lib/cap_bound", "lib/faces", "lib/flat",
         "lib/nearest", "lib/packets", "lib/revolved", "lib/shade", "lib/solid",
     },
@@ -38,6 +39,7 @@ LEFT = {
     "contact": {f"kernels/{stem}.mako" for stem in KERNELS["contact"]},
     "acceleration": {f"kernels/{stem}.mako" for stem in KERNELS["acceleration"]}
     | {"hostcode/device/opened.py"},
+    "face-surfaces": {"kernels/lib/meet.mako", "kernels/lib/shade.mako"},
     # a setting has its name
     "splitting": {
         "photizon_cl/result/recipe.py", "photizon_cl/scene/model.py",

@@ -174,6 +174,24 @@ _CURATED: dict[tuple[str, str], tuple[list[Any], list[Any], dict[str, Any]]] = {
         ],
         {"run": {"roulette_floor": 1e-6}},
     ),
+    ("element", "lens"): (
+        [{**_BEAM, "radius": 0.02}],
+        [
+            _element(
+                "lens",
+                "lens",
+                0.0,
+                "+z",
+                front_radius=0.06,
+                back_radius=-0.2,
+                thickness=0.012,
+                aperture_radius=0.025,
+                surface=_GLASS,
+            ),
+            _target(-0.15, 0.03, map=[16, 16]),
+        ],
+        {"run": {"roulette_floor": 1e-6}},
+    ),
     ("element", "cylinder"): (
         [{**_LAMP, "position": [0.0, 0.0, 0.02], "axis": "+z"}],
         [

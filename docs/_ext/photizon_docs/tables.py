@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
-from photizon_cl.scene.described import Nested, NestedList, parameters_of, shown_default
+from photizon_cl.scene.described import (
+    Described,
+    Nested,
+    NestedList,
+    parameters_of,
+    shown_default,
+)
 from photizon_cl.scene.elements import Element
 from photizon_cl.scene.far_field import FarField
 from photizon_cl.scene.frames import AXES, frame
@@ -23,7 +29,6 @@ from photizon_cl.scene.sources import DirectedSource
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from photizon_cl.scene.described import Described
     from photizon_cl.scene.parameters import Parameter
 
 __all__ = ["FRAGMENTS", "GROUPS", "link", "parameter_table", "table"]
@@ -93,6 +98,8 @@ def _default(cls: type[Described], name: str) -> str:
         return "**required**"
     if value is None or value == ():
         return "none"
+    if isinstance(value, Described) and value.kind:
+        return f"`{show(value.to_table())}`"
     return "all defaults" if dataclasses.is_dataclass(value) else f"`{show(value)}`"
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from hostcode.program.fields import RayField
 from hostcode.program.spec import EffectParts
 from photizon_cl.compile.effects.base import Effect
+from photizon_cl.compile.effects.face_surfaces import faced
 from photizon_cl.compile.layout import ABSORBED_IN, LedgerRow
 from photizon_cl.errors import show
 from photizon_cl.scene.media.names import VACUUM
@@ -48,7 +49,9 @@ class Media(Effect):
         """Where the scene has media, or a surface names one."""
         if scene.medium:
             return f"the scene has the medium {show(scene.medium[0].name)}"
-        named = next((e for e in scene.element if e.surface.media is not None), None)
+        named = next(
+            (e for e in scene.element if any(s.media is not None for s in e.surfaces)), None
+        )
         return f'the surface of "{named.name}" names a medium' if named else None
 
     def absent(self, scene: Scene, settings: RunSettings) -> str:
@@ -120,8 +123,13 @@ class Media(Effect):
         draft.geometry = np.concatenate((draft.geometry, absorption))
         draft.launch["source_media"] = draft.add_codes(number[s.medium] for s in scene.source)
         # a place for what meets none, too
-        pairs = zip(scene.element, scene.optics, strict=True)
-        sides = [n for element, optics in pairs for n in _sides(element.surface, optics, number)]
+        by_face = "material_of_face" in draft.launch  # of three faces each, see face_surfaces.py
+        sides = [
+            n
+            for element in scene.element
+            for surface in (faced(element) if by_face else element.surfaces)
+            for n in _sides(surface, scene.optics[surface], number)
+        ]
         draft.launch["side_media"] = draft.add_codes(sides or _NO_BORDER)
 
 

@@ -11,6 +11,7 @@ from photizon_cl.compile.effects.choice import Choice
 from photizon_cl.compile.effects.coincidence import Coincidence
 from photizon_cl.compile.effects.contact import Contact
 from photizon_cl.compile.effects.detector import Detector
+from photizon_cl.compile.effects.face_surfaces import FaceSurfaces
 from photizon_cl.compile.effects.far_field import FarField
 from photizon_cl.compile.effects.importance import Importance
 from photizon_cl.compile.effects.media import Media
@@ -39,6 +40,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     Acceleration(),
     Contact(),
     Coincidence(),
+    FaceSurfaces(),
     Opening(),
     PathTable(),
     Media(),

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.described import Described, Known, Nested
+from photizon_cl.scene.described import Described, Known, Nested, parameters_of
 from photizon_cl.scene.detectors import Detector
 from photizon_cl.scene.frames import Frame, Vec3, frame, to_local
 from photizon_cl.scene.parameters import declare, point, signed_axis, tilt, unique_name
@@ -31,12 +31,21 @@ ROUNDOFF: Final = 2.0**-53
 _ROUNDING = 2.0**-48  # of a point's coordinates, in the few operations that bring it to a face
 
 
-_FACES = ("faces", "outline")  # what is cached of an element's faces
+_FACES = ("faces", "outline", "surfaces")  # what is cached of an element's faces
 
 
 def _counting() -> list[str]:
     """Return the kinds of surface that carry a detector."""
     return sorted(cls.kind for cls in Surface.__subclasses__() if cls.carries_detector)
+
+
+def own_surfaces(cls: type[Described]) -> list[str]:
+    """Return the parameters of a class that are surfaces of faces."""
+    return [
+        name
+        for name, parameter in parameters_of(cls).items()
+        if name != "surface" and isinstance(parameter, Nested) and parameter.base is Surface
+    ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +83,8 @@ class Element(Described):
     libraries: ClassVar[tuple[str, ...]] = ()
     """Kernel templates before those, once a program, which other kinds may share."""
     traits: ClassVar[frozenset[str]] = frozenset()
-    """What else the shared templates ask for; ``inward`` where normals point to the inside."""
+    """What else the shared templates ask for; ``inward`` where normals point to the inside,
+    ``own-surfaces`` where faces may have surfaces of their own (`surface_of`)."""
     faced: ClassVar[bool] = True
     """Whether its kernel works in its own frame and says which of its faces is hit."""
     alone: ClassVar[bool] = False
@@ -131,6 +141,15 @@ class Element(Described):
                     f"{' or '.join(_counting())}",
                 )
             )
+        for name in own_surfaces(cls):
+            own = known.get(name)
+            if own is not None and own.kind and not own.cls.carries_detector:
+                hint = (
+                    f"a detector counts what arrives at all faces of a {cls.kind}, and this one "
+                    f"sends it on; take one that carries a detector: {' or '.join(_counting())}"
+                )
+                expected = f"no {own.kind} surface beside a detector"
+                problems.append(Problem(f"{name}.kind", show(own.kind), expected, hint=hint))
         side, sides = detector.get("side"), FLAT_SIDES if cls.flat else CURVED_SIDES
         if side is not None and side not in sides:
             body = "flat: its front is the side that its normal points to" if cls.flat else "curved"
@@ -204,6 +223,17 @@ class Element(Described):
     @abstractmethod
     def faces(self) -> tuple[Face, ...]:
         """Its faces in local coordinates, in the order of the kernels' face numbers."""
+
+    def surface_of(self, face: int) -> Surface:
+        """Return the surface of a face by the number that the kernels give it."""
+        return self.surface
+
+    @cached_property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """Its surfaces, each once: several where faces have surfaces of their own."""
+        if "own-surfaces" not in self.traits:
+            return (self.surface,)
+        return tuple(dict.fromkeys(self.surface_of(n) for n in range(len(self.faces))))
 
     @property
     def sole_face(self) -> Face | None:

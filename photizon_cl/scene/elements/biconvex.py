@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.lens import (
-    Lens,
+    CappedLens,
     cap,
     cap_area,
     cap_columns,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Biconvex(Lens):
+class Biconvex(CappedLens):
     """The intersection of two balls that meet in a circle.
 
     `position` is the centre of the rim circle and `axis` points to the front vertex. The glass is
@@ -55,7 +55,7 @@ class Biconvex(Lens):
         ("back_depth", "m", "of the back ball's centre behind the rim's plane"),
         ("back_inverse", "1/m", "1/R of the back ball"),
         ("back_radius", "m", "R of the back ball"),
-        base=Lens.row,
+        base=CappedLens.row,
     )
     radii: ClassVar[tuple[str, ...]] = ("front_radius", "back_radius")
 

@@ -8,97 +8,17 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
-import numpy as np
-
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.elements.revolved import RevolvedWall
-from photizon_cl.scene.faces import Revolved
+from photizon_cl.scene.elements.sheets import Sheet, equator, sheet_area, sheet_sag
 from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.faces import Face
 
 _INNER: Final = "a radius from 0 up to but not including aperture_radius, in metres"
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Sheet(Revolved):
-    """The meridian as `Conic` states it; lengths in metres.
-
-    With κ = 1 + k, from r² = w(2R − κw) and dw/dr = r/(R − κw). Of an ellipsoid the profile runs by
-    the angle of its slope, in which an equator has as many places as a vertex; of the others, whose
-    slope comes to an end, by asinh(r sqrt(1 − κ)/R). Neither subtracts nearly equal numbers.
-    """
-
-    radius: float
-    kappa: float
-    rims: tuple[float, float]
-    heights: tuple[float, float]
-
-    def profile(self, s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        big, kappa = self.radius, self.kappa
-        rims = np.array(self.rims)
-        if kappa > 0.0:
-            first, last = np.arctan2(rims, self._levels(np.array(self.heights)))
-            at = first * (1.0 - s) + last * s
-            sine, cosine = np.sin(at), np.cos(at)
-            r = big * sine / np.hypot(cosine, math.sqrt(kappa) * sine)
-            root = big * cosine / np.hypot(cosine, math.sqrt(kappa) * sine)
-        else:
-            width = big / math.sqrt(1.0 - kappa)
-            first, last = np.arcsinh(rims / width)
-            r = width * np.sinh(first * (1.0 - s) + last * s)
-            root = np.hypot(big, math.sqrt(-kappa) * r)
-        w = r * (r / (big + root))
-        for place, rim, height in zip((0.0, 1.0), self.rims, self.heights, strict=True):
-            r, w = np.where(s == place, rim, r), np.where(s == place, height, w)
-        return np.clip(r, *self.rims), np.clip(w, *self.heights)
-
-    def _levels(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return R − κw, what the slope's denominator is at a height."""
-        return np.asarray(np.maximum(self.radius - self.kappa * w, 0.0))
-
-    def place_at(self, height: float) -> float:
-        """Return the place of the profile at a height; the nearer end beyond either."""
-        w = min(max(height, self.heights[0]), self.heights[1])
-        r, ends = self.radius_at(w), np.array(self.rims)
-        if self.kappa > 0.0:
-            first, last = np.arctan2(ends, self._levels(np.array(self.heights)))
-            at = float(np.arctan2(r, self._levels(np.array(w))))
-        else:
-            width = self.radius / math.sqrt(1.0 - self.kappa)
-            first, last = np.arcsinh(ends / width)
-            at = math.asinh(r / width)
-        return min(max((at - float(first)) / float(last - first), 0.0), 1.0)
-
-    def radius_at(self, height: float) -> float:
-        """Return the radius in metres at a height, that of the nearer rim beyond either."""
-        w = min(max(height, self.heights[0]), self.heights[1])
-        r = math.sqrt(w) * math.sqrt(2.0 * self.radius - self.kappa * w)
-        return min(max(r, self.rims[0]), self.rims[1])
-
-    def apart(self, radius: float, height: float) -> float:
-        """Return the distance in metres of a circle about the axis from the sheet.
-
-        |F|/|∇F| of F = r² − w(2R − κw), with F as a product.
-        """
-        w = min(max(height, self.heights[0]), self.heights[1])
-        on = self.radius_at(w)
-        gradient = math.hypot(radius, self.radius - self.kappa * w)
-        return abs(radius - on) * (0.5 * ((radius + on) / gradient))
-
-    def sine_at(self, radius: float, height: float, room: float) -> float:
-        """Return the sine of the angle between the sheet and the plane of a circle that lies on it.
-
-        Of one about the vertex that of the least circle at which the sheet leaves its plane.
-        """
-        w = min(max(height, self.heights[0]), self.heights[1])
-        r = max(radius, min(math.sqrt(2.0 * room) * math.sqrt(self.radius), self.rims[1]))
-        return r / math.hypot(r, self.radius - self.kappa * w)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +91,7 @@ class Conic(RevolvedWall):
                     )
                 )
         if radius is not None and aperture is not None and known.get("conic_constant") is not None:
-            high = _sag(radius, k, aperture)
+            high = sheet_sag(radius, k, aperture)
             if high > Fraction(LARGEST):
                 problems.append(
                     Problem(
@@ -199,12 +119,12 @@ class Conic(RevolvedWall):
 
     def sag(self, r: float) -> float:
         """Return the height over the vertex in metres at a distance r from the axis."""
-        return float(_sag(self.curvature_radius, self.conic_constant, r))
+        return float(sheet_sag(self.curvature_radius, self.conic_constant, r))
 
     @cached_property
     def faces(self) -> tuple[Face, ...]:
         """Its sheet, with the normal into the concave side."""
-        sheet = _Sheet(
+        sheet = Sheet(
             name="sheet",
             sense=-1.0,
             radius=self.curvature_radius,
@@ -239,25 +159,8 @@ class Conic(RevolvedWall):
 
     @property
     def area(self) -> float:
-        """Area of one side in m².
-
-        2πr·ds = 2π sqrt(R² − k r²) dw with r² = w(2R − κw), by Gauss-Legendre quadrature
-        in pieces that halve towards both rims, near which the root may turn sharply.
-        """
-        (low, high), radius = self.heights, self.curvature_radius
-        halves = 0.5 ** np.arange(1.0, 31.0)
-        ends = np.concatenate([[0.0], halves[:0:-1], [0.5], 1.0 - halves[1:], [1.0]])
-        nodes, weights = np.polynomial.legendre.leggauss(16)
-        width = 0.5 * np.diff(ends)[:, None]
-        s = ends[:-1, None] + width * (1.0 + nodes)
-        w = low + s * (high - low)
-        r, k = np.sqrt(w) * np.sqrt(2.0 * radius - self.kappa * w), self.conic_constant
-        if k <= 0.0:
-            root = np.hypot(radius, math.sqrt(-k) * r)
-        else:
-            part = math.sqrt(k) * r / radius
-            root = radius * np.sqrt(np.maximum((1.0 - part) * (1.0 + part), 0.0))
-        return 2.0 * math.pi * (high - low) * float((width * weights * root).sum())
+        """Area of one side in m²."""
+        return sheet_area(self.curvature_radius, self.conic_constant, self.heights)
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return the sags, the foci on the axis and the area."""
@@ -274,16 +177,3 @@ class Conic(RevolvedWall):
             out["far focus at"] = (radius * (1.0 + math.sqrt(-k)) / self.kappa, "m")
         out["area"] = (self.area, "m²")
         return out
-
-
-def _sag(radius: float, k: float, r: float) -> Fraction:
-    """Return the height of a conic over its vertex in metres, beyond the range of a double too."""
-    big, square = Fraction(radius), Fraction(r) ** 2
-    # the equator's radius is rounded
-    rest = max(big**2 - (1 + Fraction(k)) * square, Fraction(0))
-    return square / (big + Fraction(math.sqrt(rest)))
-
-
-def equator(radius: float, k: float) -> float:
-    """Return the largest radius of an ellipsoid in metres, R/sqrt(1 + k), for k > −1."""
-    return radius / math.sqrt(1 + Fraction(k))

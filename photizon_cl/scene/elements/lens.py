@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lens(Element):
+class CappedLens(Element):
     """A solid bounded by caps; its surface is one property, its normals point out of the glass."""
 
     row: ClassVar[Row] = Row(

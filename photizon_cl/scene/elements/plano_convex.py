@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.lens import (
-    Lens,
+    CappedLens,
     cap,
     cap_area,
     cap_columns,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanoConvex(Lens):
+class PlanoConvex(CappedLens):
     """The cap of a ball, cut off by a plane.
 
     `position` is the centre of the flat face and `axis` points to the convex vertex; the ball has

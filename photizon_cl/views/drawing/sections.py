@@ -85,18 +85,21 @@ def colour_key(figure: Figure, bar: ScalarMappable, label: str, axes: Axes) -> N
     made.ax.minorticks_off()
 
 
-def colour_of(element: Element) -> str:
-    """Return the colour of an element."""
-    return DETECTOR if element.detector is not None else element.surface.colour
+def colour_of(element: Element, face: int = 0) -> str:
+    """Return the colour of a face of an element."""
+    return DETECTOR if element.detector is not None else element.surface_of(face).colour
 
 
 def legend_handles(scene: Scene) -> list[Line2D]:
     """Return what a legend of the scene shows, each kind of surface once."""
     seen: dict[str, Line2D] = {}
     for element in scene.element:
-        label = "detector" if element.detector is not None else element.surface.label_text
-        if label not in seen:
-            seen[label] = Line2D([], [], color=colour_of(element), linewidth=2.4, label=label)
+        for surface in element.surfaces:
+            label, colour = surface.label_text, surface.colour
+            if element.detector is not None:
+                label, colour = "detector", DETECTOR
+            if label not in seen:
+                seen[label] = Line2D([], [], color=colour, linewidth=2.4, label=label)
     handles = list(seen.values())
     handles.append(
         Line2D(
@@ -156,14 +159,21 @@ def draw_section(
     ends = np.stack([rays.start[:, pair], rays.end[:, pair]], axis=1) * scale
     axes.add_collection(LineCollection(list(ends), colors=colours, linewidths=0.8, zorder=2.0))
     for element in scene.element:
-        colour = colour_of(element)
-        lines = [line[:, pair] for line in cut(element, across, float(box.centre[across]))]
-        for loop in _loops(lines) if element.surface.refracts else []:
+        at = float(box.centre[across])
+        several = len(element.surfaces) > 1
+        parts = [
+            (colour_of(element, n or 0), [line[:, pair] for line in cut(element, across, at, n)])
+            for n in (range(len(element.faces)) if several else [None])
+        ]
+        glass = [s.colour for s in element.surfaces if s.refracts]
+        for loop in _loops([line for _, lines in parts for line in lines]) if glass else []:
             x, y = loop.T * scale
+            colour = DETECTOR if element.detector is not None else glass[0]
             axes.fill(x, y, color=colour, alpha=0.22, linewidth=0.0, zorder=1.5)
-        for line in lines:
-            x, y = line.T * scale
-            axes.plot(x, y, color=colour, linewidth=2.2, solid_capstyle="butt", zorder=3.0)
+        for colour, lines in parts:
+            for line in lines:
+                x, y = line.T * scale
+                axes.plot(x, y, color=colour, linewidth=2.2, solid_capstyle="butt", zorder=3.0)
         if element.detector is not None and element.flat:
             sign = 1.0 if element.detector_plus else -1.0
             du, dv, dw = (sign * d for d in element.frame[2])

@@ -134,7 +134,8 @@ def _physics(result: Estimates) -> Iterator[Markup]:
         "interference, no diffraction. Where features are of the size of a wavelength the answer "
         "is wrong, and no error bar says so."
     )
-    refracts = any(element.surface.refracts for element in result.scene.element)
+    surfaces = [s for element in result.scene.element for s in element.surfaces]
+    refracts = any(surface.refracts for surface in surfaces)
     glass = " Glass reflects and refracts as for unpolarised light" if refracts else ""
     absorbing = [medium.name for medium in result.scene.medium if medium.absorption_per_m]
     if absorbing:
@@ -163,7 +164,7 @@ def _physics(result: Estimates) -> Iterator[Markup]:
 
 def _surfaces(result: Estimates) -> str:
     """Return what the scene's surfaces are, as the beginning of a sentence."""
-    labels = dict.fromkeys(e.surface.label_text for e in result.scene.element)
+    labels = dict.fromkeys(s.label_text for e in result.scene.element for s in e.surfaces)
     *rest, last = labels or ["no surface"]
     text = f"{', '.join(rest)} and {last}" if rest else last
     return text[:1].upper() + text[1:]

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.far_field import FarFieldResult
     from photizon_cl.result.maps import IrradianceMap
+    from photizon_cl.scene.elements import Element
     from photizon_cl.scene.filters.base import Axis
 
 __all__ = ["describe"]
@@ -61,6 +62,10 @@ def _named(texts: Iterable[str], more: str) -> str:
     return "; ".join(every[:_MOST_NAMED]) + (f"; {left} {more}" if left > 0 else "")
 
 
+def _surfaces(element: Element) -> str:
+    return " and ".join(dict.fromkeys(surface.kind for surface in element.surfaces))
+
+
 # -- the whole result ----------------------------------------------------------------------------
 
 
@@ -69,7 +74,7 @@ def _layout(result: Estimates, _: str) -> tuple[str, str]:
 
     scene = result.scene
     size = " by ".join(plain_amount(float(x), 3) for x in bounding_box(scene).extent)
-    elements = _named((f"{e.name}, {e.kind}, {e.surface.kind}" for e in scene.element), "more")
+    elements = _named((f"{e.name}, {e.kind}, {_surfaces(e)}" for e in scene.element), "more")
     sources = _named((f"{s.name}, {s.kind}" for s in scene.source), "more")
     alt = (
         f"Three sections through the centre of the scene, which fills {size} m in x, y and z as "
