@@ -4,9 +4,12 @@
 // reads: scene tables, launch.  uses: a queue segment a ray for the children that wait.
 // writes: segments, `counts` (segments of the ray, and 1 where `capacity` cut it short), the tally.
 //
-// A segment: start (3), end (3; the direction where it meets nothing), weight; path, generation, element (-1
-// where it meets none), the ray's segment that it continues (-1 for a launched ray), whether it begins a
-// line of its own, how it ends, and the face that it ends on (-1 where it meets none).
+// A segment: start (3), end (3; the direction where it escapes), weight; path, generation, element (-1
+// where it escapes), the ray's segment that it continues (-1 for a launched ray), whether it begins a
+// line of its own, how it ends, and the face that it ends on (-1 where it escapes).
+% if ends:
+// One that ends on its way is written as one that escapes, but for how it ends.
+% endif
 #define GOES_ON 0L
 #define ABSORBED 1L
 #define ESCAPED 2L

@@ -1,10 +1,11 @@
 """Whether the faces that light goes between agree about the medium that lies there.
 
-Media are not tracked: the side on which a face is met says which index the light is in. A face that
-is the wrong way round therefore bends light as if it came out of glass where it goes in, and
-nothing fails. Some rays are followed, and the index behind each segment's start is compared with
-the one before its end. Of light that comes from a source, nothing says which medium that is in; but
-where it is met as from glass and also ends in glass, all of it would have to be in glass.
+Which index the light is in, the side says on which a face is met; media are tracked only where the
+scene names some, and then counted (`counted_by_pilot`). A face that is the wrong way round
+therefore bends light as if it came out of glass where it goes in, and nothing fails. Some rays are
+followed, and the index behind each segment's start is compared with the one before its end. Of
+light that comes from a source, nothing says which medium that is in; but where it is met as from
+glass and also ends in glass, all of it would have to be in glass.
 """
 
 from __future__ import annotations
