@@ -112,12 +112,16 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
                                    SEL(within, R(-64.0) * most, height${n}), most, wx, wy, wz, d_n, &minus${n}, &cross);
         }
 % endfor
-        // it hits the lens where it goes from its outside to its inside or back
-        const mask was_in = ${" & ".join(f"SELM(on{n}, minus{n}, in{n})" for n in range(3))};
-        is_in = ${" & ".join(f"SELM(on{n}, goes_minus{n}, in{n})" for n in range(3))};
-        const mask hits = (on0 | on1 | on2) & (was_in ^ is_in) & INE(p->left, lsplat(NO_FACE));
+        // it hits the lens where it goes from its outside to its inside or back; and where it goes in by one
+        // face although it leaves another one behind at once, as at a rim, which belongs to both
 % for n in range(3):
-        starts${n} = hits & on${n} & (minus${n} ^ goes_minus${n});
+        const mask was${n} = SELM(on${n}, minus${n}, in${n});
+% endfor
+        const mask was_in = was0 & was1 & was2;
+        is_in = ${" & ".join(f"SELM(on{n}, goes_minus{n}, in{n})" for n in range(3))};
+        const mask hits = (on0 | on1 | on2) & (was_in ^ is_in), moves = INE(p->left, lsplat(NO_FACE));
+% for n, (a, b) in enumerate(((1, 2), (0, 2), (0, 1))):
+        starts${n} = moves & (hits | (was${a} & was${b})) & on${n} & (minus${n} ^ goes_minus${n});
 % endfor
     }
 % else:

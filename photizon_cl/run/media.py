@@ -45,6 +45,8 @@ _THROUGHOUT: Final = 0.9
 _LEAST: Final = 3
 """Segments that show it."""
 _NAMED: Final = 3
+_SHORT: Final = 2.0**-44
+"""Part of its ends' coordinates that a segment must be long."""
 _SAME: Final = 1e-6
 """Relative difference of indices that are taken as equal: that of tables to six digits."""
 
@@ -248,7 +250,9 @@ def _sides(
     """
     along = found.end - found.start
     middle = found.start + 0.5 * along
-    inside = np.flatnonzero((along != 0.0).any(axis=1))
+    # what is no longer than the rounding of its ends, between faces in one place, has no direction
+    size = np.maximum(np.abs(found.start), np.abs(found.end)).max(axis=1)
+    inside = np.flatnonzero(np.abs(along).max(axis=1) > _SHORT * size)
     before = np.where(found.parent >= 0, found.element[found.parent], -1)
     sides = np.zeros((2, len(found)), np.int64)
     faces = np.full((2, len(found)), -1, np.int64)

@@ -158,3 +158,21 @@ def test_check_says_it(tmp_path, capsys):
     assert 'light that leaves "front" in a medium of index 1.5 meets "back"' in out
     assert main(["check", str(file), "--no-pilot"]) == 0
     assert "in a medium of index" not in capsys.readouterr().out
+
+
+def test_the_faces_of_lenses_are_asked_one_by_one():
+    where = {"axis": "-z", "aperture_radius": 0.3}
+    crown = pz.Lens(name="crown", position=(0, 0, 0), front_radius=0.6, back_radius=0.5,
+                    thickness=0.25, surface=pz.Fresnel(1.5), back=pz.Fresnel(1.5, 1.7),
+                    **where)  # fmt: skip
+    flint = pz.Lens(name="flint", position=(0, 0, 0), front_radius=-0.5, back_radius=2.0,
+                    thickness=0.1, surface=pz.Fresnel(1.7), front=pz.Clear(), **where)  # fmt: skip
+    flint = dataclasses.replace(flint, position=(0, 0, flint.vertices[0] - crown.vertices[1]))
+    lamp = pz.CollimatedDisk(name="lamp", flux=1.0, position=(0, 0, -1), axis="+z", radius=0.2)
+    assert clashing_media(scene(crown, flint, source=lamp)) == []
+    wrong = dataclasses.replace(crown, back=pz.Fresnel(1.6))
+    (said,) = clashing_media(scene(wrong, source=lamp))[:1]
+    assert (
+        'light that leaves front of "crown" in a medium of index 1.5 meets back of "crown"' in said
+    )
+    assert "as from one of 1.6" in said

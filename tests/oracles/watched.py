@@ -65,6 +65,9 @@ def every_kind() -> dict[str, Any]:
         ("+x-y", "+z", "clear", {"kind": "conic", "curvature_radius": 0.4, "conic_constant": -1.0,
                                  "aperture_radius": 0.4}, {"generations": 3}),
         ("-x-y", "+z", "matt", {"kind": "disk", "radius": 0.3, "tilt_deg": [20.0, 70.0]}, None),
+        ("+x+z", "+x", "glass", {"kind": "lens", "front_radius": -0.6, "back_radius": 0.8,
+                                 "back_conic": -2.0, "thickness": 0.2, "aperture_radius": 0.3},
+         None),
         ("", "+z", "matt", {"kind": "sphere", "radius": 2.0, "port_fraction": 0.2}, None),
     ]  # fmt: skip
     sources: list[dict[str, Any]] = [
@@ -151,7 +154,7 @@ MORE: Final[dict[str, Case]] = {
     **{f"{name}": Case(name, 8) for name in (
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
-        "baffled-telescope", "absorbing-cuvette",
+        "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
     )},
 }  # fmt: skip
 """What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its

@@ -58,6 +58,15 @@ def elements(tilt=(0.0, 0.0), axis="+z"):
             **common,
         ),
         pz.Disk(name="annulus", radius=0.4, inner_radius=0.2, **common),
+        pz.Lens(
+            name="meniscus",
+            front_radius=-0.6,
+            back_radius=0.5,
+            back_conic=-1.5,
+            thickness=0.3,
+            aperture_radius=0.4,
+            **common,
+        ),
     ]
 
 

@@ -126,8 +126,10 @@ def test_bad_input(arguments, message, run, tmp_path, monkeypatch):
 
 # -- what an art editor looks for ----------------------------------------------------------------
 
-PRESETS = ["baffled-telescope", "baffled-tube", "box-room", "cassegrain", "cosine-fourth",
-           "ghost-ladder", "plano-convex-condenser", "square-lightpipe"]  # fmt: skip
+PRESETS = [
+    "aspheric-condenser", "baffled-telescope", "baffled-tube", "box-room", "cassegrain",
+    "cosine-fourth", "ghost-ladder", "plano-convex-condenser", "square-lightpipe",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -15,7 +15,7 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.errors import SceneError
 from photizon_cl.geometry.outlines import cut, edges, facets
 from photizon_cl.scene.described import parameters_of
-from photizon_cl.scene.parameters import LARGEST, SMALLEST, Integer, Number
+from photizon_cl.scene.parameters import LARGEST, SMALLEST, Integer, Number, SignedRadius
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 
 COMMON = {"name", "position", "axis", "tilt_deg", "surface", "detector", "flux", "share"}
@@ -28,6 +28,10 @@ def drawn(cls: Any, r: random.Random, size: float, **more: Any) -> Any:
     """Return an object with parameters near `size`, or anywhere, or at the ends of their ranges."""
     values: dict[str, Any] = {}
     for name, p in parameters_of(cls).items():
+        if isinstance(p, SignedRadius):
+            near, far = size * 10 ** r.uniform(-3, 3), 10 ** r.uniform(-150, 150)
+            length = r.choice([near, near, size, far, SMALLEST, LARGEST])
+            values[name] = r.choice([length, -length, math.inf])
         if name in COMMON or not isinstance(p, Number | Integer):
             continue
         low, high = p._low, p._high
@@ -43,7 +47,9 @@ def drawn(cls: Any, r: random.Random, size: float, **more: Any) -> Any:
         del values[r.choice(["port_fraction", "port_radius"])]
     curved = [values[k] for k in ("curvature_radius", "front_radius", "back_radius") if k in values]
     if curved and r.random() < 0.5:
-        values["aperture_radius"] = min(curved) * r.choice([1.0, 0.5, 1e-8, 1e-100])
+        values["aperture_radius"] = min(min(map(abs, curved)), LARGEST) * r.choice(
+            [1.0, 0.5, 1e-8, 1e-100]
+        )
     return cls(**values, **more)
 
 
