@@ -44,7 +44,7 @@ def test_it_is_found_by_name_and_number():
     assert scene.medium["bk7"] == scene.medium[0] == pz.Medium("bk7", 1.5168, 2.0)
     assert scene.medium.names == ("bk7", "water")
     assert scene.element["face 0"].surface == pz.Fresnel(medium="vacuum", medium_outside="bk7")
-    assert [surface.indices for surface in scene.optics] == [(1.0, 1.5168), (1.333, 1.5168)]
+    assert [s.indices for s in scene.optics.values()] == [(1.0, 1.5168), (1.333, 1.5168)]
     assert pz.Medium("air", 1.0003).absorption_per_m == 0.0
     assert pz.load("box-room").medium == ()
 
@@ -83,7 +83,7 @@ def test_values_are_replaced_by_path():
     assert outside.element[1].surface.media == ("bk7", "vacuum")
     glass = {"medium": [pz.Medium("f2", 1.62)], "element.front.surface": pz.Fresnel(medium="f2")}
     made = pz.load("ghost-ladder").replace(glass)
-    assert made.optics[0].indices == (1.62, 1.0)
+    assert made.optics[made.element[0].surface].indices == (1.62, 1.0)
     with pytest.raises(pz.SceneError, match="the name of a medium: "):
         made.replace({"medium": None})
     with pytest.raises(pz.UnknownNameError, match='found "bk8", expected one of "bk7", "water"'):
