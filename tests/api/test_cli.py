@@ -16,7 +16,7 @@ import photizon_cl as pz
 from photizon_cl.cli.main import VERBS, main
 from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
-from photizon_cl.scene.described import default_of, parameters_of
+from photizon_cl.scene.described import Described, parameters_of, shown_default
 from photizon_cl.scene.presets import preset_path, presets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, MEDIA, SOURCES, SURFACES
 
@@ -374,8 +374,11 @@ def test_a_kind_is_described(label, kind, cls, run):
     for name, parameter in parameters_of(cls).items():
         if parameter.unit:
             assert rows[name][1] == parameter.unit
-        default = default_of(cls, name)
-        shown = {dataclasses.MISSING: "required", None: "none"}.get(default, show(default))
+        default = shown_default(cls, name)
+        if isinstance(default, Described):  # as a file has it
+            default = default.to_table()
+        plain = {dataclasses.MISSING: "required", None: "none"}
+        shown = show(default) if isinstance(default, dict) else plain.get(default, show(default))
         at = 2 if parameter.unit else 1
         assert " ".join(rows[name][at:]).startswith(shown + " ")
     if not parameters_of(cls):
