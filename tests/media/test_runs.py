@@ -121,18 +121,20 @@ def test_on_the_command_line(capsys, tmp_path):
     assert 'the scene has the medium "glass"' in " ".join(capsys.readouterr().out.split())
 
 
-def test_every_batch_closes_in_random_scenes_with_media():
+@pytest.mark.parametrize(
+    "number", [0, *(pytest.param(number, marks=pytest.mark.slow) for number in range(1, 6))]
+)
+def test_every_batch_closes_in_random_scenes_with_media(number):
     """To the rounding of the splits, which is none where both sides are of one medium."""
-    for number in range(6):
-        tables = media.random_scene(number, 256)
-        found = trace(load(tables), batches=3)
-        assert all(abs(closure) <= 1e-15 for closure in found.closures())
-        for element in tables["element"]:
-            if element["surface"]["kind"] == "fresnel":
-                element["surface"]["medium_outside"] = element["surface"]["medium"]
-        found = trace(load(tables), batches=3)
-        assert found.amount(found.compiled.layout.row("absorbed_in.m1")) > 0
-        assert found.closures() == [0, 0, 0]
+    tables = media.random_scene(number, 256)
+    found = trace(load(tables), batches=3)
+    assert all(abs(closure) <= 1e-15 for closure in found.closures())
+    for element in tables["element"]:
+        if element["surface"]["kind"] == "fresnel":
+            element["surface"]["medium_outside"] = element["surface"]["medium"]
+    found = trace(load(tables), batches=3)
+    assert found.amount(found.compiled.layout.row("absorbed_in.m1")) > 0
+    assert found.closures() == [0, 0, 0]
 
 
 def test_media_that_nothing_names_are_told():

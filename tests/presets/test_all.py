@@ -15,8 +15,8 @@ NEW = (
 )  # fmt: skip
 
 
-def test_there_are_twelve_each_with_an_anchor():
-    assert len(preset_names()) == len(presets()) == 12
+def test_there_are_thirteen_each_with_an_anchor():
+    assert len(preset_names()) == len(presets()) == 13
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 

@@ -80,7 +80,7 @@ def runs() -> Iterator[Runs]:
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-@pytest.mark.parametrize("kills", [6, pytest.param(50, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [4, pytest.param(50, marks=pytest.mark.slow)])
 def test_killed_at_random_moments(tmp_path, runs, kills):
     # Each wave is one batch and ends in a checkpoint, so many moments fall into writing one. Every
     # run goes on from the one killed before it.
