@@ -25,11 +25,8 @@ def test_page(name, tmp_path):
 
 @pytest.mark.parametrize(
     "kinds",
-    [
-        # all that is asked of a kind, of the one that draws; with the others it is many programs
-        "phong and not draws",
-        pytest.param("(retroreflector or phong or bounces)", marks=pytest.mark.slow),
-    ],
+    # what every kind must hold is tests/structure; these would be fifteen programs more
+    ["", pytest.param("(retroreflector or phong or bounces)", marks=pytest.mark.slow)],
 )
 def test_a_surface_and_an_effect_are_added(kinds, checkout):
     runner = Runner(checkout, apart=True)
@@ -52,6 +49,8 @@ def test_a_surface_and_an_effect_are_added(kinds, checkout):
     assert "| `reflectance` | part of the power that is reflected |" in page
     assert "d' = -d, weight times reflectance" in page
     assert "pz.Retroreflector(reflectance=0.8)" in page
+    if not kinds:
+        return
     # and what every kind must hold, these with the others
     shutil.copy(ROOT / "pyproject.toml", checkout)
     for name in ("tests", "docs"):
@@ -72,7 +71,7 @@ def test_a_surface_and_an_effect_are_added(kinds, checkout):
     )
     passed = re.search(r"^(\d+) passed, \d+ deselected", said, re.M)
     assert passed, said
-    assert int(passed[1]) >= (10 if "bounces" in kinds else 5), said
+    assert int(passed[1]) >= 10, said
 
 
 @pytest.mark.parametrize(("group", "kind"), KINDS, ids=[kind for _, kind in KINDS])

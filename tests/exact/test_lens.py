@@ -283,6 +283,7 @@ def test_surfaces_of_faces_are_compiled_in_only_where_there_are_some() -> None:
     assert several.reasons["surface.absorber"] == '"lens" has one'
 
 
+@pytest.mark.slow
 def test_an_own_face_is_met_in_a_tree_as_without() -> None:
     crown, flint = doublet()
     made = scene(crown, flint, black(-0.1, paths=20), source=beam(0.0115))

@@ -47,7 +47,7 @@ def test_a_name_of_any_letters():
 
 
 def test_a_target_may_be_what_a_medium_absorbs():
-    result = pz.trace(CUVETTE, target=0.05, target_on=[ROW], max_seconds=3600, **RUN)
+    result = pz.trace(CUVETTE, target=0.2, target_on=[ROW], max_seconds=3600, **RUN)
     assert result.converged
     with pytest.raises(pz.SceneError, match=r"absorbed_in\.oil"):
         pz.trace(CUVETTE, target_on=["ledger.absorbed_in.oil"], **RUN)

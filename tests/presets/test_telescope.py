@@ -58,6 +58,7 @@ def back() -> pz.Result:
     return pz.trace(scene, batches=16, rays_per_batch=1 << 17)
 
 
+@pytest.mark.slow  # of a tube: tests/statistical/test_reverse.py
 def test_in_reverse_the_field_has_the_same_transmittance(back):
     """A false alarm in 1.7e6 seeds."""
     far = back.far_field
