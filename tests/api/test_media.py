@@ -143,7 +143,14 @@ def test_faces_in_contact_say_nothing():
 
 
 @pytest.mark.parametrize(
-    "name", [n for n in preset_names() if any(e.surface.refracts for e in pz.load(n).element)]
+    "name",
+    [
+        pytest.param(
+            n, marks=() if n in ("ghost-ladder", "aspheric-condenser") else pytest.mark.slow
+        )
+        for n in preset_names()
+        if any(e.surface.refracts for e in pz.load(n).element)
+    ],
 )
 def test_nothing_is_said_of_the_presets(name):
     assert clashing_media(pz.load(name)) == []

@@ -46,6 +46,7 @@ def test_a_name_of_any_letters():
     assert result.quantity_names[-3:-2] == ['ledger.absorbed_in."H₂O. 5 %"']
 
 
+@pytest.mark.slow
 def test_a_target_may_be_what_a_medium_absorbs():
     result = pz.trace(CUVETTE, target=0.2, target_on=[ROW], max_seconds=3600, **RUN)
     assert result.converged

@@ -20,6 +20,7 @@ def test_there_are_thirteen_each_with_an_anchor():
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 
+@pytest.mark.slow  # bits are stored of all, tests/benchmarks/test_harness.py
 @pytest.mark.parametrize("name", NEW)
 def test_ledgers_close(name):
     result = pz.trace(name, batches=2, rays_per_batch=2048)

@@ -42,6 +42,7 @@ def test_anchor_numbers():
     assert f"{-sphere * 1e3:.1f} mm" in scene.notes
 
 
+@pytest.mark.slow  # the bits of its first batches are stored
 def test_default_run_meets_the_anchor():
     result = pz.trace("aspheric-condenser", batches=8)
     rung = result.detectors["focus"].ladder[2]

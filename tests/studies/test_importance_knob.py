@@ -56,6 +56,7 @@ def test_none_where_nothing_is_sent(scene):
     assert options_of(dataclasses.replace(scene, element=(black, scene.element[1]))) == []
 
 
+@pytest.mark.slow
 def test_none_of_them_is_biased_and_sending_none_is_noisier(scene):
     rows = {}
     for option in (as_it_stands(scene), *options_of(scene)):
