@@ -100,7 +100,7 @@ def marks(folder: Path) -> dict[str, tuple[int, int]]:
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 @pytest.mark.parametrize("kills", [2, pytest.param(20, marks=pytest.mark.slow)])
 def test_killed_at_random_moments(tmp_path, sweeps, kills):
-    angle = {"path": "source.sun.tilt_deg[0]", "linspace": [0, 10, 2 * kills + 2]}
+    angle = {"path": "source.sun.tilt_deg[0]", "linspace": [0, 10, (5 if kills > 9 else 2) * kills + 2]}
     file, folder = tmp_path / "angles.json", tmp_path / "out"
     file.write_text(json.dumps(a_sweep(angle, run={"batches": BATCHES})), encoding="utf-8")
     # first, so that its program is compiled: else no sweep would live long enough for that
