@@ -100,7 +100,8 @@ def marks(folder: Path) -> dict[str, tuple[int, int]]:
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 @pytest.mark.parametrize("kills", [2, pytest.param(20, marks=pytest.mark.slow)])
 def test_killed_at_random_moments(tmp_path, sweeps, kills):
-    angle = {"path": "source.sun.tilt_deg[0]", "linspace": [0, 10, (5 if kills > 9 else 2) * kills + 2]}
+    points = (5 if kills > 9 else 2) * kills + 2  # more than can be done until the last one
+    angle = {"path": "source.sun.tilt_deg[0]", "linspace": [0, 10, points]}
     file, folder = tmp_path / "angles.json", tmp_path / "out"
     file.write_text(json.dumps(a_sweep(angle, run={"batches": BATCHES})), encoding="utf-8")
     # first, so that its program is compiled: else no sweep would live long enough for that
