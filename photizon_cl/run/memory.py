@@ -70,6 +70,12 @@ _SHORT: Final = {
 }
 
 
+def _told_apart(size: int, limit: int) -> tuple[str, str]:
+    """Return two numbers of bytes as people say them, whole where they would read the same."""
+    texts = human(size), human(limit)
+    return texts if texts[0] != texts[1] else (f"{size} bytes", f"{limit} bytes")
+
+
 def too_large(
     record: DeviceRecord, parts: dict[str, int], largest: tuple[str, int], left: Room | None = None
 ) -> tuple[str, str]:
@@ -88,11 +94,11 @@ def too_large(
     """
     part, size = largest
     if size > record.max_allocation:
-        why = (
-            f"{_WORDS[part]} takes {human(size)} in one piece, and {record.label} gives at most "
-            f"{human(record.max_allocation)}"
+        asked, given = _told_apart(size, record.max_allocation)
+        return (
+            f"{_WORDS[part]} takes {asked} in one piece, and {record.label} gives at most {given}",
+            part,
         )
-        return why, part
     whole = sum(parts.values())
     part = max(parts, key=parts.__getitem__, default="")
     if whole > record.global_memory:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 import tracemalloc
 from dataclasses import replace
@@ -76,6 +77,11 @@ def test_a_device_that_cannot_hold_it_is_told():
     line = refusal(made, Needs.of(made, record, plan), record, None)
     assert line.startswith("the tally of a batch on the device takes 537 MB in one piece, and ")
     assert "gives at most 100 MB: take fewer bins in element[0].detector.map" in line
+    made, record, plan = parts(scene(8192), max_allocation=1 << 31)
+    line = refusal(made, Needs.of(made, record, plan), record, None)
+    assert re.search(
+        r"takes 21474\d+ bytes in one piece, and .* at most 2147483648 bytes: take", line
+    )
     made, record, plan = parts(scene(4096), max_allocation=GB, global_memory=10**8)
     line = refusal(made, Needs.of(made, record, plan), record, None)
     assert line.startswith("the device's buffers take 540 MB, most of it the tally of a batch")
