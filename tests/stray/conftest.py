@@ -3,6 +3,7 @@
 import pathlib
 import sys
 
-_tests = str(pathlib.Path(__file__).resolve().parents[1])
-if _tests not in sys.path:
-    sys.path.insert(0, _tests)
+_here = pathlib.Path(__file__).resolve().parent
+for _path in (str(_here.parent), str(_here)):
+    if _path not in sys.path:
+        sys.path.insert(0, _path)
