@@ -8,7 +8,8 @@
 // where it escapes), the ray's segment that it continues (-1 for a launched ray), whether it begins a
 // line of its own, how it ends, and the face that it ends on (-1 where it escapes).
 % if ends:
-// One that ends on its way is written as one that escapes, but for how it ends.
+// One that ends on its way to a face is written up to that face, with its number and no element; one on
+// its way out as one that escapes, but for how it ends.
 % endif
 #define GOES_ON 0L
 #define ABSORBED 1L
@@ -66,9 +67,16 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, &child);
         long ending = ESCAPED;
 % if ends:
+        const mask meets = hit.found;
         if (contact.lost) {
             ending = ABSORBED;
             hit.found = NO_LANES;
+            if (meets) {
+                const double way = TO_WIDE(hit.t);
+                real_of[3] = fma(way, real_of[3], real_of[0]);
+                real_of[4] = fma(way, real_of[4], real_of[1]);
+                real_of[5] = fma(way, real_of[5], real_of[2]);
+            }
         }
 % endif
         if (hit.found) {
@@ -79,7 +87,7 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         }
         long_of[2] = hit.found ? (long)ELEMENT_OF(hit.code) : -1L;
         long_of[5] = ending;
-        long_of[6] = hit.found ? (long)FACE_OF(hit.code) : -1L;
+        long_of[6] = ${"meets" if ends else "hit.found"} ? (long)FACE_OF(hit.code) : -1L;
 % if splits:
         if (child.alive) {
             waiting[stack] = (long)n;

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.sources import Source
 
+_ALIKE = 3e-3  # relative difference of indices that mean the same, as 1.33 and 1.333 do
 _CAPPED = 1e-6  # expected depth-capped part of the flux that is worth a word
 _SPLITTING_CAP = 24  # generations after which 2^n children are too many to follow
 
@@ -52,6 +53,7 @@ def advisories(scene: Scene, precision: str = DEFAULT) -> list[str]:
     found += coarse_directions(scene, roundoff)
     found += idle_importance(scene)
     found += _idle_media(scene)
+    found += _nameless_media(scene)
     found += _capped_cavities(scene)
     found += _surfaces(scene)
     return found
@@ -144,14 +146,50 @@ def _idle_media(scene: Scene) -> Iterator[str]:
             )
 
 
+def _nameless_media(scene: Scene) -> Iterator[str]:
+    """Find borders given by indices, beside a medium that absorbs and has one of them."""
+    absorbing = [m for m in scene.medium if m.absorption_per_m > 0.0]
+    for element in scene.element:
+        for surface in dict.fromkeys(element.surfaces):
+            if surface.media is not None or surface.indices is None:
+                continue
+            like = next(
+                (
+                    (index, medium)
+                    for index in surface.indices
+                    for medium in absorbing
+                    if index != 1.0 and abs(index - medium.index) <= _ALIKE * medium.index
+                ),
+                None,
+            )
+            if like is not None:
+                index, medium = like
+                yield (
+                    f'element "{element.name}": its index of {index:.9g} is that of medium '
+                    f'"{medium.name}", but a border of indices leads to no medium: behind it '
+                    "nothing is absorbed; name medium and medium_outside instead"
+                )
+
+
+def _passing(depth: float) -> float:
+    """Return what a medium leaves of matt light on its way across a ball.
+
+    `depth` is αR; the mean of exp(−2αRμ) over the cosines μ, of density 2μ.
+    """
+    a = 2.0 * depth
+    return 1.0 - 2.0 * a / 3.0 if a < 1e-4 else -2.0 * (math.expm1(-a) + a * math.exp(-a)) / a**2
+
+
 def _capped_cavities(scene: Scene) -> Iterator[str]:
+    absorption = {m.name: m.absorption_per_m for m in scene.medium}
     for element in scene.element:
         wall, again = element.sole_face, element.self_view_factor
         reflectance = element.surface.diffuse_reflectance
         if not isinstance(wall, Ball) or again is None or reflectance is None:
             continue
-        inside = any(wall.holds(element.local(s.position)) for s in scene.source)
-        kept = reflectance * again
+        inside = [s for s in scene.source if wall.holds(element.local(s.position))]
+        fills = [absorption.get(s.medium, 0.0) for s in inside]
+        kept = reflectance * again * _passing(min(fills, default=0.0) * wall.radius)
         left = kept**scene.run.generation_cap
         if inside and left > _CAPPED:
             advice = "; it never decays, so open a port or lower the reflectance"

@@ -22,7 +22,7 @@ from photizon_cl.scene.elements.flat import EDGES_TILTED
 from photizon_cl.scene.faces import Ball, Plane, Revolved, Straight
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.faces import Face
@@ -70,6 +70,8 @@ def coarse(scene: Scene, roundoff: float = ROUNDOFF) -> Iterator[str]:
     grid = _Grid(scene, roundoff)
     yield from _limited((_element(e, grid) for e in scene.element), "elements")
     yield from _limited((_source(s, grid) for s in scene.source), "sources")
+    absorption = {m.name: m.absorption_per_m for m in scene.medium if m.absorption_per_m}
+    yield from _limited((_absorber(e, absorption, grid) for e in scene.element), "elements")
 
 
 def lost(scene: Scene, roundoff: float) -> str:
@@ -204,6 +206,23 @@ def _element(element: Element, grid: _Grid) -> str | None:
         f'element "{element.name}" is small beside {grid.beside}, or an opening in it is: '
         f"{grid.where(size, element)}. Its area or its openings may come out wrong by "
         f"up to {most}, and normals of curved faces by as much; {grid.remedy}"
+    )
+
+
+def _absorber(element: Element, absorption: Mapping[str, float], grid: _Grid) -> str | None:
+    """Tell a border of a medium that absorbs much on a rounding of where the border is."""
+    beside = {name for s in element.surfaces for name in s.media or () if name in absorption}
+    name = max(beside, key=absorption.__getitem__, default="")
+    step = _MET * grid.roundoff * grid.reached(element)
+    error = absorption.get(name, 0.0) * step
+    if error <= grid.noted:
+        return None
+    middle = "the middle of the scene, in single precision" if grid.single else "the origin"
+    return (
+        f'element "{element.name}", a border of medium "{name}" of {absorption[name]:.3g}/m, '
+        f"reaches to {grid.reached(element):.3g} m from {middle}: ways in it are good to "
+        f"{step:.1e} m, so that what they leave may be wrong by {min(error, 1.0):.1e} of it; "
+        f"{grid.remedy}"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from photizon_cl.geometry.coincidence import shared_places
 from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.planes import PlaneFaces, lies_within
+from photizon_cl.scene.faces import Circular, Plane, Revolved
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -22,6 +24,8 @@ __all__ = ["coincident_faces"]
 
 _NAMED: Final = 20
 """So many pairs of refracting faces are named; of the others only how many there are."""
+_RIMS: Final = 1e-9
+"""Relative difference of radii that is none: no light to speak of meets what lies between."""
 _LOOKED: Final = 20_000
 """So many pairs are looked at, which takes a second."""
 
@@ -52,6 +56,7 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
         one, other = elements[i], elements[j]
         at, there = one.surface_of(pair.first_face), other.surface_of(pair.second_face)
         if not (at.counts and there.counts):
+            yield from _cement(pair, one, other)
             continue
         if not (at.refracts or there.refracts):
             text = None if pair.point else _covered(planes, pair, one, other)
@@ -114,6 +119,38 @@ def _covered(planes: PlaneFaces, pair: Shared, one: Element, other: Element) -> 
         + (f': "{other.name}" is never hit' if whole else "")
         + "; name it first, or move it"
     )
+
+
+def _cement(pair: Shared, one: Element, other: Element) -> Iterator[str]:
+    """Say where one of two cemented bodies is wider than the other: beside it is no cement."""
+    first, second = one.surface_of(pair.first_face), other.surface_of(pair.second_face)
+    passed = one if not first.counts else other
+    glued = (second if not first.counts else first).refracts
+    if pair.point or not glued or not any(s.refracts for s in passed.surfaces):
+        return
+    rims = [_rim(one, pair.first_face), _rim(other, pair.second_face)]
+    if None in rims or math.isclose(*rims, rel_tol=_RIMS):  # type: ignore[arg-type]
+        return
+    clear, bends = ("first", "second") if passed is one else ("second", "first")
+    names = {
+        "first": f'the {one.face_name(pair.first_face)} of "{one.name}"',
+        "second": f'the {other.face_name(pair.second_face)} of "{other.name}"',
+    }
+    yield (
+        f"{names[clear]} is clear and lies in one place with {names[bends]}, as cement does, but "
+        f"the two are not equally wide ({rims[0]:.9g} and {rims[1]:.9g} m): beyond the smaller one "
+        "light does not bend where glass meets air, or bends as into the other glass; give both "
+        "the same aperture"
+    )
+
+
+def _rim(element: Element, face: int) -> float | None:
+    """Return the outer radius in metres of a round face, None of another one."""
+    found = element.faces[face]
+    if isinstance(found, Revolved):
+        return float(found.profile(np.array([0.0, 1.0]))[0].max())
+    outline = found.outline if isinstance(found, Plane) else None
+    return outline.radius if isinstance(outline, Circular) else None
 
 
 def _indices(element: Element, face: int, optics: Mapping[Surface, Surface]) -> tuple[float, float]:

@@ -181,7 +181,7 @@ class _Rounds:
             begin.append(len(self.faces))
         self.begin = np.array(begin)
         self.owner, self.number = np.array(owners, np.int64), np.array(numbers, np.int64)
-        balls = [face.ball for face in self.faces]
+        balls = [face.osculating for face in self.faces]
         self.balls = np.array([isinstance(face, Ball) for face in self.faces], bool)
         rise = np.array([ball.height if ball else 0.0 for ball in balls])
         self.radii = np.array([ball.radius if ball else math.nan for ball in balls])
@@ -223,11 +223,17 @@ def _round_pairs(near: Neighbours, rounds: _Rounds, wanted: Wanted) -> Iterator[
         coaxial = (parallel | rounds.whole[i] | rounds.whole[j]) & (aside <= room)
         # not of shallow ones, whose centres are far away: there the profiles are compared
         centred = rounds.balls[i] & rounds.balls[j]
-        same = np.where(centred, (apart <= room) & (difference <= room), coaxial)
-        touching &= centred | ~same
+        alike = (apart <= room) & (difference <= room)
+        same = np.where(centred, alike, coaxial)
+        # conics of one curvature, which are no balls, may share but their vertex
+        touching |= balls & ~centred & coaxial & alike
         for k in np.flatnonzero(touching | same).tolist():
             a, b, slack = int(i[k]), int(j[k]), 4.0 * float(room[k])
-            shared = _compared(rounds, a, b, slack, point=bool(touching[k]))
+            shared = None
+            if same[k]:
+                shared = _compared(rounds, a, b, slack, point=False)
+            if shared is None and touching[k]:
+                shared = _compared(rounds, a, b, slack, point=True)
             if shared is not None:
                 yield shared
 
@@ -237,15 +243,17 @@ def _compared(rounds: _Rounds, a: int, b: int, room: float, *, point: bool) -> S
     first, second = (rounds.elements[rounds.owner[n]] for n in (a, b))
     at = int(rounds.number[a]), int(rounds.number[b])
     if point:
-        first_ball, second_ball = one.ball, other.ball
+        first_ball, second_ball = one.osculating, other.osculating
         assert first_ball is not None
         assert second_ball is not None
         way = rounds.centres[b] - rounds.centres[a]
-        way /= np.linalg.norm(way)
+        length = float(np.linalg.norm(way))
+        # of two about one centre it is the vertex
+        way = way / length if length > room else first_ball.pole * rounds.axes[a]
         outside = first_ball.radius + second_ball.radius
-        apart = float(np.linalg.norm(rounds.centres[b] - rounds.centres[a]))
-        inner = abs(apart - outside) > room  # one ball in the other
-        sign = -1.0 if inner and first_ball.radius < second_ball.radius else 1.0
+        inner = abs(length - outside) > room  # one ball in the other
+        smaller = length > room and first_ball.radius < second_ball.radius
+        sign = -1.0 if inner and smaller else 1.0
         touched = [tuple((rounds.centres[a] + sign * first_ball.radius * way).tolist())]
         if not (
             rounds.lies_on(touched, first, at[0], room)
@@ -339,7 +347,7 @@ def _tangent(
             and rounds.lies_on([foot], curved, faces[1], slack)
         ):
             continue
-        curved_ball = rounds.faces[ball].ball
+        curved_ball = rounds.faces[ball].osculating
         assert curved_ball is not None
         sense = planes.faces[plane].sense * curved_ball.sense
         turned = numbers[0] > numbers[1]

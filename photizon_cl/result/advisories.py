@@ -32,6 +32,9 @@ _WORST: Final = 3
 _EQUAL: Final = 4.0
 """Times as many arrivals as equal ones would have this σ, from which on few of them make a bin."""
 _FEW_BINS: Final = 0.01  # part of the lit bins of which that is chance
+_TALLY_UNIT: Final = 2.0**-95
+_FAINT: Final = 1e6 * _TALLY_UNIT
+"""Mean weight of arrivals, of 1 when launched, below which the tally's unit is more than 10^-6."""
 _MANY: Final = 10**7  # batches that are written with a power of ten
 
 
@@ -48,6 +51,7 @@ def run_advisories(result: Estimates) -> list[str]:
         *_capped(result),
         *_unlit(result),
         *_heavy(result),
+        *_faint(result),
     ]
 
 
@@ -172,9 +176,29 @@ def _unbelievable(result: Estimates) -> Iterator[str]:
 
 def _missed(result: Estimates) -> Iterator[str]:
     if result.scene.element and result.batches and not result.info.interactions:
+        taken = [f'"{name}"' for name, row in result.ledger.absorbed_in.items() if row.value > 0.0]
+        went = "all of the power escapes"
+        if taken:
+            went = f"what does not escape is absorbed in {' and '.join(taken)}"
         yield (
-            "not one ray met an element: all of the power escapes; see where the sources stand and "
-            "shine, with `photizon show` for example"
+            f"not one ray met an element: {went}; see where the sources stand and shine, with "
+            "`photizon show` for example"
+        )
+
+
+def _faint(result: Estimates) -> Iterator[str]:
+    """Tell detectors whose arrivals weigh so little that the tally's unit decides what they add."""
+    found = []
+    for name, detector in result.detectors.items():
+        power, count = detector.power.value, detector.power.count
+        weight = power * result.batches / (count * result.compiled.unit_power) if count else 1.0
+        if weight < _FAINT:
+            found.append((weight, name))
+    for weight, name in sorted(found)[:_WORST]:
+        yield (
+            f'what arrives at the detector on "{name}" has {weight:.1e} of the weight that it was '
+            f"launched with, on average, and is counted in units of {_TALLY_UNIT:.1e}: its "
+            "power is good to that only, whatever its σ says"
         )
 
 

@@ -175,9 +175,12 @@ class Ledger:
     names: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
+        inside = math.fsum(self.absorbed_in.values())
+        media = f"{inside:.6g} W in media, " if inside else ""
         return (
             f"<Ledger of {self.emitted:.6g} W: {math.fsum(self.absorbed.values()):.6g} W absorbed "
-            f"by {len(self.absorbed)}, {self.escaped:.6g} W escaped, closure {self.closure:.1e} W>"
+            f"by {len(self.absorbed)}, {media}{self.escaped:.6g} W escaped, "
+            f"closure {self.closure:.1e} W>"
         )
 
     @classmethod

@@ -66,7 +66,8 @@ class Paths:
     ray : ndarray, shape (n,), int64
         Number of the launched ray that each segment belongs to.
     start, end : ndarray, shape (n, 3), float64
-        In metres. A segment that meets nothing ends after `escape_length`.
+        In metres. A segment that meets nothing ends after `escape_length`; one that a medium
+        absorbs on its way to a face ends there.
     weight : ndarray, shape (n,), float64
         Relative to the heaviest launched ray.
     generation : ndarray, shape (n,), int64
@@ -88,8 +89,9 @@ class Paths:
         Metres that escaping segments are given for drawing.
     ledger : dict of str to float
         Watts by row of what was followed: ``absorbed by NAME``, escaped, roulette killed, roulette
-        boosted, depth-capped. These are the rows of one batch of a trace, bit for bit, where
-        nothing was cut. Empty where only some paths were picked.
+        boosted, depth-capped, and those that effects bring, as ``absorbed in MEDIUM``. These are
+        the rows of one batch of a trace, bit for bit, where nothing was cut. Empty where only some
+        paths were picked.
     cut : ndarray of int64
         Numbers of the rays that have more segments than were asked for.
     """

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.compile.layout import ABSORBED_IN
+
 if TYPE_CHECKING:
     from photizon_cl.compile.layout import Quantity, TallyLayout
     from photizon_cl.result.statistics import Accumulator
@@ -50,8 +52,9 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
     """Return the median relative standard error of what a scene is about.
 
     Over the bins with at least 10 arrivals of all maps together; without a map, over the
-    detectors' totals; without a detector, over the absorbed rows and the escaped row. Totals and
-    rows that are zero have no relative error and are left out. Where a run names quantities that
+    detectors' totals; without a detector, over the absorbed rows, those of what media absorb among
+    them, and the escaped row. Totals and rows that are zero have no relative error and are left
+    out. Where a run names quantities that
     must each meet its target, the largest of their relative standard errors.
 
     Returns
@@ -75,7 +78,9 @@ def judged(layout: TallyLayout) -> list[tuple[list[tuple[int, int]], bool]]:
     maps = [(d.map, d.nx * d.ny) for d in layout.detectors if d.nx]
     if maps:
         return [(maps, True)]
-    return [([(d.power, 1) for d in layout.detectors] or [(0, layout.n_elements + 1)], False)]
+    powers = [(d.power, 1) for d in layout.detectors]
+    inside = [(layout.row(r.name), 1) for r in layout.rows if r.name.startswith(f"{ABSORBED_IN}.")]
+    return [(powers or [(0, layout.n_elements + 1), *inside], False)]
 
 
 def _median(ranges: list[tuple[int, int]], tally: Accumulator, *, bins: bool) -> float | None:

@@ -4,8 +4,8 @@ Which index the light is in, the side says on which a face is met; media are tra
 scene names some, and then counted (`counted_by_pilot`). A face that is the wrong way round
 therefore bends light as if it came out of glass where it goes in, and nothing fails. Some rays are
 followed, and the index behind each segment's start is compared with the one before its end. Of
-light that comes from a source, nothing says which medium that is in; but where it is met as from
-glass and also ends in glass, all of it would have to be in glass.
+light that comes from a source, nothing says which medium that is in where the scene names none; but
+where it is met as from glass and also ends in glass, all of it would have to be in glass.
 """
 
 from __future__ import annotations
@@ -98,6 +98,9 @@ class _Walk:
         self.scene, self.found = scene, found
         self.places = _Places(scene)
         self.indices = self.places.indices
+        of_sources = {scene.index_of[s.medium] for s in scene.source} if scene.names_media else ()
+        self.launched_in = next(iter(of_sources)) if len(of_sources) == 1 else None
+        """Index of the medium that all sources are in, where the scene says so."""
         self.clashes: dict[tuple[int, float, int, float], _Meeting]
         self.met: NDArray[np.float64]
         """Weight that meets each refracting element in a medium that is known."""
@@ -126,6 +129,9 @@ class _Walk:
         at = np.where(told, both[left, (start_side > 0).astype(int)], np.nan)
         said_by = np.where(told, left, -1)
         # what is reflected, or passes, is where the segment before it was
+        started = ~goes_on
+        if self.launched_in is not None:
+            at[started] = self.launched_in
         origin = np.where(goes_on & ~bends[left], found.parent, np.arange(len(found)))
         while (further := origin[origin]).tolist() != origin.tolist():
             origin = further
@@ -142,6 +148,8 @@ class _Walk:
         n = len(self.indices)
         self.met = np.bincount(met[seen], weight[seen], n).astype(np.float64)
         other = np.abs(index - at) > _SAME * index
+        # a wrong medium before a face that names its own is counted: see counted_by_pilot
+        other &= (said_by >= 0) | ~np.array([*self.places.named, False])[met]
         self.clashes = _grouped(seen & other, weight, said_by, at, met, index)
 
     def sentences(self) -> list[str]:
@@ -158,7 +166,8 @@ class _Walk:
         return [text for _, text in strongest[:_NAMED]] or self._in_glass_throughout()
 
     def _sentence(self, left: int, index: float, met: int, other: float, part: float) -> str:
-        a, b = self.places.names[left], self.places.names[met]
+        a = self.places.names[left] if left >= 0 else "the sources"
+        b = self.places.names[met]
         return (
             f"light that leaves {a} in a medium of index {index:.9g} meets {b} as "
             f"from one of {other:.9g} ({100.0 * part:.3g} % of what meets it, by a pilot): "
@@ -168,7 +177,7 @@ class _Walk:
     def _causes(self, left: int, index: float, met: int, other: float) -> str:
         # one that has these two indices fits the other way round; a body is its own inside
         fits = []
-        for n in (left, met):
+        for n in (left, met) if left >= 0 else (met,):
             face, both = self.scene.element[self.places.owner[n]].sole_face, self.indices[n]
             if face is None or isinstance(face, Ball) or both is None:
                 continue
@@ -191,7 +200,8 @@ class _Walk:
             return []
         (met, index), meeting = first
         if (
-            index == 1.0
+            self.scene.names_media
+            or index == 1.0
             or meeting.segments < _LEAST
             or self.ends.get(index, 0.0) < _THROUGHOUT * ends
         ):
@@ -216,19 +226,24 @@ class _Places:
         As `Surface.indices` gives them.
     names : list of str
         For sentences.
+    named : list of bool
+        Whether its surface names media.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.owner: list[int] = []
         self.indices: list[tuple[float, float] | None] = []
         self.names: list[str] = []
+        self.named: list[bool] = []
         first, several = [], []
         for n, element in enumerate(scene.element):
             first.append(len(self.owner))
             several.append(len(element.surfaces) > 1)
             for k in range(len(element.faces) if several[-1] else 1):
                 self.owner.append(n)
-                self.indices.append(scene.optics[element.surface_of(k)].indices)
+                surface = element.surface_of(k)
+                self.indices.append(scene.optics[surface].indices)
+                self.named.append(surface.media is not None)
                 of = f"{element.face_name(k)} of " if several[-1] else ""
                 self.names.append(f'{of}"{element.name}"')
         # the last ones are for no element, which is number -1

@@ -155,10 +155,10 @@ def _picked(
 
 
 def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Paths:
-    path, generation, element, parent, begins, ending, _ = raw.wholes.T
+    path, generation, element, parent, begins, ending, face = raw.wholes.T
     shift = np.array(compiled.shift)
     start, end = raw.reals[:, 0:3] + shift, raw.reals[:, 3:6].copy()
-    away = element < 0  # it escapes, or is absorbed on its way out
+    away = (element < 0) & (face < 0)  # it escapes, or is absorbed on its way out
     end[away] = raw.reals[away, 0:3] + escape_length * end[away]
     layout = compiled.layout
     watts = values(whole_of(raw.cells, 0, layout.n_rows)) * compiled.unit_power

@@ -271,6 +271,11 @@ class Revolved(Face):
         """The ball that it is a part of, whose sense is its own; None where it is of none."""
         return None
 
+    @property
+    def osculating(self) -> Ball | None:
+        """The ball by which it touches things: its own, or the one that fits it at its vertex."""
+        return self.ball
+
     def place_at(self, height: float) -> float:
         """Return the place of the profile at a height; the nearer end beyond either."""
         ends = self.profile(np.array([0.0, 1.0]))[1]

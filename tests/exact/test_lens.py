@@ -248,6 +248,21 @@ def test_without_cement_there_is_a_film_of_air(traced: bool) -> None:
     assert first == "crown.front t > crown.back t > flint.front t > flint.back t > screen"
 
 
+def test_cement_that_one_lens_is_too_narrow_for_is_told() -> None:
+    """Beyond its rim the wider one's face would be of no glass, or of the wrong one."""
+    for wide, said in ((0, "second"), (1, "first")):
+        pair = [*doublet()]
+        pair[wide] = replace(pair[wide], aperture_radius=1.1 * pair[wide].aperture_radius)
+        # where the rim is wider the centre of the edge moves, not the vertices
+        was = doublet()[wide]
+        moved = was.position[2] + was.vertices[0] - pair[wide].vertices[0]
+        pair[wide] = replace(pair[wide], position=(0.0, 0.0, moved))
+        (text,) = pz.advisories(scene(*pair, black(-0.1), source=beam(0.001)))
+        assert text.startswith('the front of "flint" is clear'), said
+        assert "are not equally wide (" in text
+    assert not pz.advisories(scene(*doublet(), black(-0.1), source=beam(0.001)))
+
+
 # -- the edge, and faces of their own --------------------------------------------------------------
 
 

@@ -14,6 +14,7 @@ from oracles.scenes import BLACK, beam, wall
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
+from photizon_cl.views.drawing import view
 
 FOG = {"name": "fog", "index": 1.0, "absorption_per_m": 2.0}
 CLEAR = {"surface": {"kind": "clear"}}
@@ -57,11 +58,20 @@ def test_a_ray_of_which_nothing_is_left_ends_on_its_way():
     rows = pz.paths(scene, rays=3)
     assert [line.ending for line in rows] == ["absorbed"] * 3
     assert rows.element.tolist() == [-1] * 3
+    # drawn no further than to the face that was on its way, and out of the picture without one
+    np.testing.assert_allclose(rows.end, [[0.0, 0.0, 1.0]] * 3, atol=2e-9)
+    box = view.Box(np.full(3, -3.0), np.full(3, 3.0), np.zeros(3), 1.0, "m")
+    np.testing.assert_array_equal(view.shown_rays(rows, box).end, rows.end)
+    away = pz.paths(in_fog(alpha=800.0), rays=1)
+    assert away.end[0, 2] == away.escape_length
+    assert view.shown_rays(away, box).end[0, 2] == 3.0
 
 
-def test_a_detector_gets_what_is_left():
-    found = trace(in_fog(plate(0.75, detector={})), rays_per_batch=64)
-    kept = Fraction(pz.Medium("fog", 1.0, 2.0).transmittance(0.75))
+@pytest.mark.parametrize(("alpha", "z"), [(2.0, 0.75), (51.7, 0.3)])
+def test_a_detector_gets_what_is_left(alpha, z):
+    """To the last bit; of the second pair's product a double holds only a part."""
+    found = trace(in_fog(plate(z, detector={}), alpha=alpha), rays_per_batch=64)
+    kept = Fraction(pz.Medium("fog", 1.0, alpha).transmittance(z))
     assert found.detector("element 0").power == found.absorbed("element 0") == 64 * kept
     assert in_medium(found) == 64 * (1 - kept)
 

@@ -175,7 +175,9 @@ class Lens(Element):
     def reach(self) -> float:
         """Radius in metres of a ball around `position` that holds it."""
         rim = math.hypot(self.aperture_radius, 0.5 * self.edge_thickness)
-        return max(rim, *map(abs, self.vertices))
+        high, low = self.vertices
+        front, back = self.sides
+        return max(rim, front.reach(high), back.reach(-low))
 
     @cached_property
     def faces(self) -> tuple[Face, ...]:
@@ -294,6 +296,11 @@ def _edge(front: LensFace, back: LensFace, thickness: float) -> Fraction:
 def _apart(front: LensFace, back: LensFace, thickness: float) -> list[Problem]:
     """Check that the faces do not cross at the rim or before it."""
     both: Any = front.sag + back.sag
+    least = _KNIFE * (abs(front.sag) + abs(back.sag) + Fraction(front.aperture))
+    if Fraction(thickness) <= least:
+        expected = f"more than {show(float(least))}, what the rounding of its sizes amounts to"
+        hint = "its faces would be one"
+        return [Problem("thickness", show(thickness), expected, hint=hint)]
     if _edge(front, back, thickness) < 0:
         expected = f"at least the sags of both faces at the rim together, {show(float(both))}"
         hint = "the faces would cross; make it thicker, or aperture_radius smaller"

@@ -8,6 +8,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.placed import Placed
 from photizon_cl.scene.elements.sheets import Sheet, sheet_area, sheet_sag
 from photizon_cl.scene.faces import Circular, Plane
@@ -71,6 +72,25 @@ class LensFace:
     def polishes(self) -> bool:
         """Whether it is long or flat: then its function at one end says little of the other."""
         return abs(self.kappa) > 2.0 or float(abs(self.sag)) > 4.0 * abs(self.radius)
+
+    def reach(self, vertex: float) -> float:
+        """Return the distance of its farthest point, but for its rim, from the lens's centre.
+
+        With κ = 1 + k > 1 the meridian r² = w(2R − κw) bulges: r² + (v ∓ w)² is greatest at
+        w = (R ∓ v)/(κ − 1), where that is before the rim; v is the height of the vertex.
+
+        Parameters
+        ----------
+        vertex : float
+            Height of the vertex over the centre in metres, in the direction that the face faces.
+        """
+        if self.flat or self.kappa <= 1.0:
+            return abs(vertex)
+        big, facing = abs(self.radius), math.copysign(1.0, self.radius)
+        at = (big - facing * vertex) / (self.kappa - 1.0)
+        at = min(max(at, 0.0), float(abs(self.sag)))
+        square = max(at * (2.0 * big - self.kappa * at), 0.0)
+        return math.hypot(math.sqrt(square), vertex - facing * at) * (1.0 + 8.0 * ROUNDOFF)
 
     @property
     def area(self) -> float:

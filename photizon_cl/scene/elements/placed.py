@@ -41,7 +41,13 @@ class Placed(Revolved):
 
     @property
     def ball(self) -> Ball | None:  # noqa: D102
-        own = self.shape.ball
+        return self._moved(self.shape.ball)
+
+    @property
+    def osculating(self) -> Ball | None:  # noqa: D102
+        return self._moved(self.shape.osculating)
+
+    def _moved(self, own: Ball | None) -> Ball | None:
         if own is None:
             return None
         height, pole = self.height + self.up * own.height, self.up * own.pole

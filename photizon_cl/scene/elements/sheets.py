@@ -64,6 +64,14 @@ class Sheet(Revolved):
             polar=(first, last), pole=-1.0,
         )  # fmt: skip
 
+    @property
+    def osculating(self) -> Ball | None:  # noqa: D102
+        if self.kappa == 1.0 or self.rims[0] > 0.0:
+            return self.ball
+        return Ball(
+            name=self.name, sense=self.sense, radius=self.radius, height=self.radius, pole=-1.0
+        )
+
     def _levels(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return R − κw, what the slope's denominator is at a height."""
         return np.asarray(np.maximum(self.radius - self.kappa * w, 0.0))

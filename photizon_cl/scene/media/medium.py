@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from numbers import Real
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
+from photizon_cl.errors import ArgumentError, show
 from photizon_cl.scene.described import Described
 from photizon_cl.scene.exponential import exponential, fused
 from photizon_cl.scene.parameters import LARGEST, number, refractive_index, unique_name
@@ -71,7 +73,18 @@ class Medium(Described):
         -------
         float
             With the kernels' own exponential: the bits are those of a trace in double precision.
+
+        Raises
+        ------
+        ArgumentError
+            Where the length is negative, or no number.
         """
+        if isinstance(length, bool) or not isinstance(length, Real) or not length >= 0.0:
+            raise ArgumentError(
+                f'medium "{self.name}": a way is {show(length)} long, expected a length in metres '
+                "that is not negative; it may be infinite"
+            )
+        length = float(length)
         if not self.absorption_per_m:
             return 1.0
         product = self.absorption_per_m * length

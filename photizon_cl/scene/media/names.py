@@ -55,7 +55,7 @@ def media_of(media: Sequence[Known | None], **groups: Sequence[Known | None]) ->
     listed = [str(known.get("name")) for known in media if known and known.get("name")]
     if len(listed) < len(media):  # one whose name is not known may be meant
         return problems
-    there = [VACUUM, *(name for name in listed if name != VACUUM)]
+    there = list(dict.fromkeys((VACUUM, *listed)))
     for group, objects in groups.items():
         for i, known in enumerate(objects):
             for path, name in _called(known, f"{group}[{i}]"):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.geometry.outlines import edges
+from photizon_cl.result.paths import ENDINGS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,6 +27,8 @@ __all__ = [
 
 FAINTEST: Final = 1e-6
 """Weight relative to the heaviest launched ray below which a segment is not drawn."""
+_LEAVES: Final = 2.0**-40
+"""Part of its length by which a segment that leaves may have been rounded."""
 _MARGIN: Final = 0.07
 
 
@@ -105,7 +108,15 @@ def shown_rays(found: Paths, box: Box) -> ShownRays:
     """Return the segments to draw; those that meet nothing go on to the edge of the box."""
     start, end = found.start, found.end.copy()
     out = found.element < 0
-    end[out] = start[out] + _way_out(start[out], (end - start)[out], box)
+    own = (end - start)[out]
+    way = _way_out(start[out], own, box)
+    # what is absorbed on its way to a face is drawn no further than to that; on its way out it is
+    # as long as all that leave are
+    length = np.linalg.norm(own, axis=1)
+    ends = found.ending[out] == ENDINGS.index("absorbed")
+    ends &= length < (1.0 - _LEAVES) * found.escape_length
+    ends &= length < np.linalg.norm(way, axis=1)
+    end[out] = start[out] + np.where(ends[:, np.newaxis], own, way)
     strong = found.weight >= FAINTEST
     order = np.flatnonzero(strong)[np.argsort(found.weight[strong], kind="stable")]
     return ShownRays(

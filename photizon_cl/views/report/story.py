@@ -60,6 +60,7 @@ def _where(result: Estimates) -> Markup:
     """Say where most of the power went."""
     ledger = result.ledger
     rows = [(f"was absorbed by {name}", row) for name, row in ledger.absorbed.items()]
+    rows += [(f"was absorbed in {name}", row) for name, row in ledger.absorbed_in.items()]
     rows += [("escaped", ledger.escaped), ("reached the generation cap", ledger.depth_capped)]
     ranked = sorted(rows, key=lambda item: -item[1].value)
     said = [
