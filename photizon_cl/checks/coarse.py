@@ -71,7 +71,7 @@ def coarse(scene: Scene, roundoff: float = ROUNDOFF) -> Iterator[str]:
     yield from _limited((_element(e, grid) for e in scene.element), "elements")
     yield from _limited((_source(s, grid) for s in scene.source), "sources")
     absorption = {m.name: m.absorption_per_m for m in scene.medium if m.absorption_per_m}
-    yield from _limited((_absorber(e, absorption, grid) for e in scene.element), "elements")
+    yield from _limited((_border(e, absorption, grid) for e in scene.element), "elements")
 
 
 def lost(scene: Scene, roundoff: float) -> str:
@@ -209,7 +209,7 @@ def _element(element: Element, grid: _Grid) -> str | None:
     )
 
 
-def _absorber(element: Element, absorption: Mapping[str, float], grid: _Grid) -> str | None:
+def _border(element: Element, absorption: Mapping[str, float], grid: _Grid) -> str | None:
     """Tell a border of a medium that absorbs much on a rounding of where the border is."""
     beside = {name for s in element.surfaces for name in s.media or () if name in absorption}
     name = max(beside, key=absorption.__getitem__, default="")

@@ -79,7 +79,8 @@ class Medium(Described):
         ArgumentError
             Where the length is negative, or no number.
         """
-        if isinstance(length, bool) or not isinstance(length, Real) or not length >= 0.0:
+        given: object = length
+        if isinstance(given, bool) or not isinstance(given, Real) or not float(given) >= 0.0:
             raise ArgumentError(
                 f'medium "{self.name}": a way is {show(length)} long, expected a length in metres '
                 "that is not negative; it may be infinite"
