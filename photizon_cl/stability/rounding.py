@@ -117,7 +117,9 @@ def ray_is_lost(case: Case, roundoff: float) -> str:
 def start_is_lost(case: Case, roundoff: float) -> str:
     """Say where a ray starts nearer to a face, which it did not leave, than rounding tells apart.
 
-    It is then taken to start on the face: the bound is the same all over an element.
+    It is then taken to start on the face: the bound is the same all over an element. Nor does a ray
+    start on the face that it left where a rounded length has moved that, as an aperture does of a
+    lens that is as wide as its ellipsoid.
     """
     mp = load_digits()
     with mp.workdps(DIGITS):
@@ -127,9 +129,11 @@ def start_is_lost(case: Case, roundoff: float) -> str:
             local = [dot(row, apart) for row in rows]
             far = element.reach + max(map(abs, (*case.origin, *element.position)))
             for index, face in enumerate(faces_of(element)):
-                if case.left and (case.left.element, case.left.face) == (number, index):
-                    continue
                 off = abs(float(face.value(local, sizes)))
+                if case.left and (case.left.element, case.left.face) == (number, index):
+                    if off > FIRM * roundoff * far:
+                        return f"the face that the ray left lies {off:.1e} m from its start in it"
+                    continue
                 if 0.0 < off <= FIRM * roundoff * far:
                     return (
                         f"a ray starts {off:.1e} m off a face, which is within "
