@@ -262,9 +262,15 @@ def _spare_the_simulator() -> None:
     def copy(queue: Any, target: Any, source: Any, **options: Any) -> Any:
         if "region" not in options:
             return copy_as_it_does(queue, target, source, **options)
-        width, rows, _ = options["region"]
-        old, new = np.zeros(source.size, np.uint8), np.zeros(target.size, np.uint8)
+        width, rows = options["region"][:2]
+        old = np.zeros(source.size, np.uint8)
         copy_as_it_does(queue, old, source)
+        if isinstance(target, np.ndarray):
+            (pitch,) = options["buffer_pitches"]
+            starts = pitch * np.arange(rows)[:, np.newaxis] + np.arange(width)
+            target.reshape(-1).view(np.uint8)[:] = old[starts].reshape(-1)
+            return None
+        new = np.zeros(target.size, np.uint8)
         new.reshape(rows, -1)[:, :width] = old.reshape(rows, -1)[:, :width]
         return copy_as_it_does(queue, target, new)
 
