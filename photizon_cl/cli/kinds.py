@@ -50,9 +50,16 @@ def call(arguments: argparse.Namespace) -> int:
 
 def _groups() -> dict[str, Group]:
     """Return the kinds of each group, by what the group's members are called."""
-    from photizon_cl.scene.registry import DETECTORS, ELEMENTS, MEDIA, SOURCES, SURFACES
+    from photizon_cl.scene.registry import (
+        DETECTORS,
+        ELEMENTS,
+        MEDIA,
+        SCATTERS,
+        SOURCES,
+        SURFACES,
+    )
 
-    groups: tuple[Group, ...] = (SOURCES, ELEMENTS, SURFACES, DETECTORS, MEDIA)
+    groups: tuple[Group, ...] = (SOURCES, ELEMENTS, SURFACES, SCATTERS, DETECTORS, MEDIA)
     return {next(iter(group.values())).label: group for group in groups}
 
 

@@ -141,6 +141,13 @@ class Element(Described):
                     f"{' or '.join(_counting())}",
                 )
             )
+        scatters = surface is not None and surface.get("scatter") is not None
+        if optics.carries_detector and scatters:
+            hint = (
+                "a detector counts what ends on a surface, and this one sends a part of it on; put "
+                "a surface that light passes before it"
+            )
+            problems.append(Problem("detector", "a detector", "none beside a scatter", hint=hint))
         for name in own_surfaces(cls):
             own = known.get(name)
             if own is not None and own.kind and not own.cls.carries_detector:

@@ -1,0 +1,124 @@
+"""Scatter: a part of what surfaces send on goes aside."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from hostcode.program.spec import EffectParts
+from photizon_cl.compile.effects.base import Effect
+from photizon_cl.compile.effects.face_surfaces import faced
+from photizon_cl.scene.scatters import Scatter as Model
+from photizon_cl.scene.scatters.base import HEAD
+from photizon_cl.scene.scatters.total import TERMS
+
+if TYPE_CHECKING:
+    from photizon_cl.compile.draft import Draft
+    from photizon_cl.scene.described import Described
+    from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.settings import RunSettings
+    from photizon_cl.scene.surfaces import Surface
+
+_NONE = -1
+
+
+class Scatter(Effect):
+    """A share of each ray is scattered about the direction in which its surface sends it on."""
+
+    name: ClassVar[str] = "scatter"
+    what: ClassVar[str] = "a part of what a surface sends on, or takes, is scattered by a BSDF"
+    costs: ClassVar[str] = (
+        "a polynomial for the share, one random block or more for the direction, a queue write "
+        "where both parts are followed"
+    )
+
+    def needed(self, scene: Scene, settings: RunSettings) -> str | None:
+        """Where a surface scatters about its specular rays."""
+        for element in scene.element:
+            for surface in element.surfaces:
+                if surface.lobe is not None:
+                    return f'the surface of "{element.name}" has a scatter'
+        return None
+
+    def absent(self, scene: Scene, settings: RunSettings) -> str:
+        """Say what the scene has not."""
+        return "no surface has a scatter"
+
+    def possible(self, scene: Scene) -> bool:
+        """Not without elements."""
+        return bool(scene.element)
+
+    def serves(self, kind: type[Described]) -> bool:
+        """Where it is a model."""
+        return issubclass(kind, Model)
+
+    def parts(self, draft: Draft) -> EffectParts:
+        """Return the lobes' kernels, and how many rays go on beside two."""
+        models = draft.scatters
+        numbers = {f"scatter.{cls.kernel}": n for n, cls in enumerate(models)}
+        places = HEAD.constants(0)
+        for cls in models:
+            places |= cls.row.constants(len(HEAD))
+        lobes = [s for e in draft.scene.element for s in e.surfaces if s.lobe is not None]
+        of_second = any(s.splits for s in lobes)
+        call = "scatter(launch, scene, p, h, c, ledger, element, found, takes, &outcome);"
+        return EffectParts(
+            extras=2 if of_second else int(any(s.branches for s in lobes)),
+            templates=(
+                ("survive", "lib/scatter"),
+                *(("survive", f"scatters/{cls.kernel}") for cls in models),
+                ("survive", "effects/scatter"),
+            ),
+            libraries=("lib/powers",),
+            hooks=(("surface", call),),
+            launch=(
+                ("scatter", "ulong", "where in codes the lobes of elements or their faces stand"),
+                ("scatter_steps", "ulong", "the power of two from which TIS is searched"),
+            ),
+            parameters=(*numbers.items(), *places.items()),
+        )
+
+    def assemble(self, draft: Draft) -> None:
+        """Put the models' numbers behind the geometry, and which face has which into the codes."""
+        assert draft.geometry is not None
+        number = {cls: n for n, cls in enumerate(draft.scatters)}
+        places: dict[Model, int] = {}
+        most, parts = 1, [draft.geometry]
+        end = len(draft.geometry)
+
+        def put(values: np.ndarray | list[float]) -> int:
+            nonlocal end
+            parts.append(np.asarray(values, np.float64))
+            end += len(parts[-1])
+            return end - len(parts[-1])
+
+        def lobe_of(surface: Surface) -> int:
+            nonlocal most
+            model = surface.lobe
+            if model is None:
+                return _NONE
+            if model not in places:
+                pieces = model.pieces
+                n = len(pieces.terms)
+                most = max(most, n)
+                rows = np.empty((n, TERMS + 1))
+                rows[:, 0] = 2.0 / np.diff(pieces.edges)
+                rows[:, 1:] = pieces.terms
+                head = {"pieces": float(n), "edges": float(put(pieces.edges[:-1]))}
+                head["term_place"] = float(put(rows.ravel()))
+                own = model.packed()
+                own |= {name: float(put(listed)) for name, listed in model.lists.items()}
+                places[model] = put([*HEAD.pack(head), *model.row.pack(own)])
+            relative = int(surface.splits)
+            return places[model] << 8 | number[type(model)] << 1 | relative
+
+        by_face = "material_of_face" in draft.launch  # of three faces each, see face_surfaces.py
+        found = [
+            lobe_of(surface)
+            for element in draft.scene.element
+            for surface in (faced(element) if by_face else element.surfaces)
+        ]
+        draft.launch["scatter"] = draft.add_codes(found or [_NONE])
+        draft.launch["scatter_steps"] = 1 << max((most - 1).bit_length() - 1, 0)
+        draft.geometry = np.concatenate(parts)
