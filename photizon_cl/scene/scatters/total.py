@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.scene.scatters.base import Scatter
 
-__all__ = ["TERMS", "WITHIN", "Array", "Pieces", "greatest", "pieces_of", "total_at"]
+__all__ = ["TERMS", "WITHIN", "Array", "Pieces", "greatest", "pieces_of", "total_at", "within_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -115,6 +115,11 @@ def greatest(model: Scatter) -> tuple[float, float]:
     values = pieces(d)
     at = int(np.argmax(values))
     return float(values[at]), math.degrees(math.asin(min(max(1.0 - float(d[at]), 0.0), 1.0)))
+
+
+def within_of(model: Scatter, radius: Array) -> Array:
+    """Return ∫ BSDF(s) s ds from 0 to radii in (0, 2]."""
+    return _by_square(model)(radius) * (radius * radius)
 
 
 def total_at(model: Scatter, d: Array) -> Array:
