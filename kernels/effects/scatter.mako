@@ -12,6 +12,7 @@
 // DECIDE_ASIDE.
 // writes: outcome; the ledger, what the parts are rounded by, and what does not end here after all.
 #define DECIDE_ASIDE 6u
+#define ASIDE ${1 + extras}
 
 FN mask try_lobe(const lobe_t *s, ulong seed, mask m, draws_t *draws, real u, real v, real *x, real *y) {
     mask taken = NO_LANES;
@@ -88,34 +89,53 @@ FN void scatter(const launch_t *launch, const scene_t *scene, const packet_t *p,
     if (!ANY(m)) return;
     const ulong steps = launch->scatter_steps;
     const mask relative = m & INE(where & 1L, lsplat(0L)), sends = m & WEIGHT_GT(outcome->w, weight_splat(0.0));
-    real mx, my, mz, x, y, z;
-    weight ratio;
+    real mx, my, mz;
     reflect(p, c, &mx, &my, &mz);
     const lobe_t lobe = lobe_about(scene, steps, m, where, c, outcome->went_plus, SEL(sends, outcome->dx, mx),
                                    SEL(sends, outcome->dy, my), SEL(sends, outcome->dz, mz));
     const weight whole = SEL_WEIGHT(sends, outcome->w, p->w);
     const weight aside = fmin(SEL_WEIGHT(relative, whole, p->w) * TO_WEIGHT(${point("scatter.share", "lobe.tis")}), whole);
     const mask some = m & WEIGHT_GT(aside, weight_splat(0.0));
-    // the only ray that goes on
-    lobe_t mine = lobe;
-    mine.m = some & ~sends;
+    // what is scattered: the only ray that goes on${", one beside the first" if extras else ""}${", one beside the second" if extras > 1 else ""}
+    lobe_t lobes[ASIDE];
+    weight w[ASIDE], ratio[ASIDE];
+    luint path[ASIDE];
+    real x[ASIDE], y[ASIDE], z[ASIDE];
+    lobes[0] = lobe;
+    lobes[0].m = some & ~sends;
+    path[0] = path_of(p);
 % if extras:
     const mask beside = some & sends;
+    lobes[1] = lobe;
+    lobes[1].m = beside;
+    w[1] = aside;
+    path[1] = child_path(SELI(outcome->splits, child_path(p->path, 0u), p->path), 1u);
 % else:
     real u, v;
     draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_ASIDE, &u, &v);
-    mine.m |= some & sends & ${point("scatter.chance", "WEIGHT_LT(TO_WEIGHT(u) * whole, aside)")};
+    lobes[0].m |= some & sends & ${point("scatter.chance", "WEIGHT_LT(TO_WEIGHT(u) * whole, aside)")};
 % endif
-    if (ANY(mine.m)) {
+    w[0] = SEL_WEIGHT(sends, whole, aside);
+    const weight goes = w[0];
+% if extras > 1:
+    lobes[2] = lobe_about(scene, steps, relative & outcome->splits, where, c, c->came_plus, outcome->second_dx,
+                          outcome->second_dy, outcome->second_dz);
+    w[2] = outcome->second_w * TO_WEIGHT(lobes[2].tis);
+    const weight of_second = w[2];
+    lobes[2].m &= WEIGHT_GT(of_second, weight_splat(0.0));
+    path[2] = child_path(child_path(p->path, 1u), 1u);
+% endif
+    for (int k = 0; k < ASIDE; k++) {
+        if (ANY(lobes[k].m)) send_aside(launch, scene, p, c, ledger, path[k], lobes + k, w + k, ratio + k, x + k, y + k, z + k);
+    }
+    const mask only = lobes[0].m;
+    if (ANY(only)) {
         // what does not end here after all
-        const weight goes = SEL_WEIGHT(sends, whole, aside);
-        weight w = goes;
         const image_t none = image_of(weight_splat(0.0));
-        book(ledger, element, mine.m & ~sends & takes, image_difference(none, ${point("scatter.booked", "image_of(goes)")}));
-        send_aside(launch, scene, p, c, ledger, path_of(p), &mine, &w, &ratio, &x, &y, &z);
-        send_on(outcome, mine.m, x, y, z, w, wsplat(SCATTERED));
+        book(ledger, element, only & ~sends & takes, image_difference(none, ${point("scatter.booked", "image_of(goes)")}));
+        send_on(outcome, only, x[0], y[0], z[0], w[0], wsplat(SCATTERED));
 % if "ratio" in ray_real:
-        outcome->ratio = SEL_WEIGHT(mine.m, ratio, outcome->ratio);
+        outcome->ratio = SEL_WEIGHT(only, ratio[0], outcome->ratio);
 % endif
     }
 % if extras:
@@ -125,36 +145,22 @@ FN void scatter(const launch_t *launch, const scene_t *scene, const packet_t *p,
         const image_t both = image_sum(image_of(stays), image_of(aside));
         book(ledger, element, beside & takes, image_difference(image_of(whole), both));
         outcome->w = SEL_WEIGHT(beside, ${point("scatter.stays", "stays")}, outcome->w);
-        extra_t *extra = outcome->extra;
-        extra->path = child_path(SELI(outcome->splits, child_path(p->path, 0u), p->path), 1u);
-        mine.m = beside;
-        extra->w = aside;
-        send_aside(launch, scene, p, c, ledger, extra->path, &mine, &extra->w, &ratio, &extra->dx, &extra->dy, &extra->dz);
-        extra->m = beside;
-        extra->plus = outcome->went_plus;
-% if "ratio" in ray_real:
-        extra->ratio = ratio;
-% endif
     }
 % endif
 % if extras > 1:
-    const mask second = relative & outcome->splits;
-    if (ANY(second)) {
-        lobe_t other = lobe_about(scene, steps, second, where, c, c->came_plus, outcome->second_dx, outcome->second_dy, outcome->second_dz);
-        const weight of_second = outcome->second_w * TO_WEIGHT(other.tis);
-        other.m &= WEIGHT_GT(of_second, weight_splat(0.0));
-        if (ANY(other.m)) {
-            outcome->second_w = SEL_WEIGHT(other.m, outcome->second_w - of_second, outcome->second_w);
-            extra_t *extra = outcome->extra + 1;
-            extra->path = child_path(child_path(p->path, 1u), 1u);
-            extra->w = of_second;
-            send_aside(launch, scene, p, c, ledger, extra->path, &other, &extra->w, &ratio, &extra->dx, &extra->dy, &extra->dz);
-            extra->m = other.m;
-            extra->plus = c->came_plus;
+    outcome->second_w = SEL_WEIGHT(lobes[2].m, outcome->second_w - of_second, outcome->second_w);
+% endif
+% for k in range(extras):
+    {
+        extra_t *extra = outcome->extra + ${k};
+        extra->m = lobes[${k + 1}].m;
+        extra->plus = ${"outcome->went_plus" if k == 0 else "c->came_plus"};
+        extra->dx = x[${k + 1}]; extra->dy = y[${k + 1}]; extra->dz = z[${k + 1}];
+        extra->w = w[${k + 1}];
+        extra->path = path[${k + 1}];
 % if "ratio" in ray_real:
-            extra->ratio = ratio;
+        extra->ratio = ratio[${k + 1}];
 % endif
-        }
     }
-% endif
+% endfor
 }

@@ -125,7 +125,7 @@ def test_what_has_no_scatter_has_nothing_of_it():
     made = compile_scene(scene, scene.run)
     text = program_source(made.tables.spec.for_device(4, ("wave",)))
     assert "lobe_t" not in text
-    forced = compile_scene(scene, scene.run, frozenset({"scatter", "scatter.abg"}))
+    forced = compile_scene(scene, scene.run, frozenset({"scattering", "scatter.abg"}))
     assert "try_abg" in program_source(forced.tables.spec.for_device(4, ("wave",)))
     assert trace_compiled(made).digest == trace_compiled(forced).digest
 

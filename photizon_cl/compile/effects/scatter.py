@@ -26,7 +26,7 @@ _NONE = -1
 class Scatter(Effect):
     """A share of each ray is scattered about the direction in which its surface sends it on."""
 
-    name: ClassVar[str] = "scatter"
+    name: ClassVar[str] = "scattering"
     what: ClassVar[str] = "a part of what a surface sends on, or takes, is scattered by a BSDF"
     costs: ClassVar[str] = (
         "a polynomial for the share, one random block or more for the direction, a queue write "

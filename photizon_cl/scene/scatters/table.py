@@ -56,7 +56,7 @@ class TableScatter(Scatter):
         "NODES", ("place", "", "where in the geometry table they stand"), ("count", "", "of them")
     )
     sample: ClassVar[Mapping[str, object]] = MappingProxyType(
-        {"delta": (0.0, 0.01, 0.1, 1.0), "bsdf": (10.0, 5.0, 0.1, 0.005)}
+        {"delta": (0.0, 0.01, 0.1, 1.0), "bsdf_per_sr": (10.0, 5.0, 0.1, 0.005)}
     )
 
     delta: Sequence[float] = field(
