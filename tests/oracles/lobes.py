@@ -6,10 +6,10 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from oracles.engine import compiled
-from oracles.kernels import run_text
 
 import photizon_cl as pz
+from oracles.engine import compiled
+from oracles.kernels import run_text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,8 +31,8 @@ LOBES = {
 }
 
 _BODY = """
-__kernel void test(__global const double *geometry, __global const double *ways, __global double *out,
-                   long where, ulong steps, ulong n) {
+__kernel void test(__global const double *geometry, __global const double *ways,
+                   __global double *out, long where, ulong steps, ulong n) {
     const size_t item = get_global_id(0);
     const scene_t scene = {geometry, geometry, geometry, (__global const long *)geometry};
     packet_t p;
@@ -50,11 +50,13 @@ __kernel void test(__global const double *geometry, __global const double *ways,
     real dx, dy, dz;
     draw_lobe(7UL, &p, (luint)(1UL), &lobe, &dx, &dy, &dz);
     const real density = density_lobe(&lobe, dx, dy, dz);
-    // the ray that came along -d, from the side to which it goes, into where the first one came from
+    // the ray that came along -d, into where the first one came from
     const real up = dot3(dx, dy, dz, c.nx, c.ny, c.nz), cosine = dot3(x, y, z, c.nx, c.ny, c.nz);
-    const lobe_t back = lobe_about(&scene, steps, ALL_LANES, lsplat(where), &c, plus, fma(2.0 * up, c.nx, -dx),
-                                   fma(2.0 * up, c.ny, -dy), fma(2.0 * up, c.nz, -dz));
-    const real reverse = density_lobe(&back, fma(2.0 * cosine, c.nx, -x), fma(2.0 * cosine, c.ny, -y), fma(2.0 * cosine, c.nz, -z));
+    const lobe_t back = lobe_about(&scene, steps, ALL_LANES, lsplat(where), &c, plus,
+                                   fma(2.0 * up, c.nx, -dx), fma(2.0 * up, c.ny, -dy),
+                                   fma(2.0 * up, c.nz, -dz));
+    const real reverse = density_lobe(&back, fma(2.0 * cosine, c.nx, -x),
+                                      fma(2.0 * cosine, c.ny, -y), fma(2.0 * cosine, c.nz, -z));
     const ulong all = get_global_size(0) * LANES;
     STORE(density * lobe.tis / fabs(up), out + 5 * all, item);
     STORE(reverse * back.tis / fabs(cosine), out + 6 * all, item);

@@ -114,8 +114,8 @@ def weights_leaving(scene: pz.Scene, rays: int = 8) -> dict[tuple[str, str], set
 
 
 def both_parts_go_on() -> None:
-    """Of a mirror TIS and the rest of ρ, of each child of glass TIS and the rest; all of all rays."""
-    lobe = LOBES["gaussian"]
+    """Of a mirror TIS and the rest of ρ, of each child of glass TIS and the rest; of every ray."""
+    lobe = LOBES["abg, flat"]
     table = lobe.to_table()
     tis = float(total_at(lobe, np.array([1.0 - math.sin(math.radians(40.0))]))[0])
     mirror = weights_leaving(plate({"kind": "mirror", "reflectance": 0.9, "scatter": table}))
@@ -148,7 +148,7 @@ def _are(found: dict[tuple[str, str], set[float]], wanted: dict[tuple[str, str],
 
 
 def closes() -> None:
-    """in = out + absorbed, to the last bit where nothing rounds and to rounding where rays split."""
+    """in = out + absorbed, to the last bit; to rounding where glass splits rays."""
     table = LOBES["abg, flat"].to_table()
     for surface in (
         {"kind": "absorber"},
@@ -227,8 +227,8 @@ def aimed_ring() -> None:
 def white_furnace(name: str, rays: int = 1 << 12) -> None:
     """Of equal radiance from everywhere a white mirror that scatters makes equal radiance again.
 
-    A lamp of cosine emission stands next to a wide plate. Its light leaves with a cosine again: what
-    a direction loses to scatter it gets back from all others, since the BSDF is reciprocal and
+    A lamp of cosine emission stands next to a wide plate. Its light leaves with a cosine again:
+    what a direction loses to scatter it gets back from all others, since the BSDF is reciprocal and
     TIS + (ρ − TIS) = 1.
     """
     lamp = {"kind": "cosine-point", "flux": 1.0, "position": [0, 0, 1e-3], "axis": "-z"}

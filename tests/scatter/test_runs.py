@@ -9,8 +9,8 @@ import pytest
 from oracles import scattering
 from oracles.engine import PLAN, compiled, scene_of, trace, trace_compiled
 from oracles.lobes import LOBES
-from oracles.scenes import BLACK, beam, wall
 from oracles.scattering import plate
+from oracles.scenes import BLACK, beam, wall
 
 import photizon_cl as pz
 from hostcode.program.source import program_source

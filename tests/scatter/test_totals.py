@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import mpmath
@@ -67,7 +68,7 @@ def by_radius(lobe, angle_deg):
         integrate.quad(
             lambda r: float(lobe.bsdf(r)) * r * arc(r), low, high, epsabs=0, epsrel=1e-11, limit=200
         )[0]
-        for low, high in zip(edges, edges[1:], strict=False)
+        for low, high in itertools.pairwise(edges)
     ]
     return math.fsum(parts)
 

@@ -18,10 +18,12 @@ if TYPE_CHECKING:
 
     from photizon_cl.scene.scatters.total import Array
 
-__all__ = ["NARROWEST", "Scatter", "scatter_problems"]
+__all__ = ["HEAD", "NARROWEST", "ROUNDING", "Scatter", "scatter_problems"]
 
 NARROWEST: Final = 1e-9
 """Width of a lobe at least, in direction cosines: unit directions are told apart to 1e-16."""
+ROUNDING: Final = 1e-8
+"""How far a TIS may be from the integral, in parts of the greatest one: not refused for that."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,7 @@ def scatter_problems(known: Known, most: float, limit: str, why: str) -> list[Pr
         What would be wrong with more.
     """
     found = known.get("scatter")
-    if not isinstance(found, Known) or not issubclass(found.cls, Scatter):
+    if not isinstance(found, Known) or not issubclass(found.cls, Scatter) or not found.kind:
         return []
     names = parameters_of(found.cls)
     if not found.values.keys() >= names.keys():
@@ -170,7 +172,7 @@ def scatter_problems(known: Known, most: float, limit: str, why: str) -> list[Pr
         what = "a BSDF that falls with Δ, or grows slowly"
         return [Problem("scatter", show(made.to_table()), what, hint=refused)]
     tis, angle = made.greatest_tis()
-    if tis <= most:
+    if tis <= most * (1.0 + ROUNDING):
         return []
     value = f"a TIS of {tis:.6g} at {angle:.3g} deg"
     return [Problem("scatter", value, f"at most {limit}", hint=why)]

@@ -44,3 +44,7 @@ class Absorber(Surface):
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check that no more is scattered than arrives."""
         return scatter_problems(known, 1.0, "1", "more would be scattered than arrives")
+
+    def derived(self) -> dict[str, tuple[float, str]]:
+        """Return what scatters."""
+        return self.scattered

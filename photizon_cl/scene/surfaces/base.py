@@ -66,6 +66,11 @@ class Surface(Described):
         return getattr(self, "scatter", None)
 
     @property
+    def scattered(self) -> dict[str, tuple[float, str]]:
+        """Derived quantities of what it scatters."""
+        return self.lobe.derived() if self.lobe is not None else {}
+
+    @property
     def branches(self) -> bool:
         """Whether a ray may go on as two: since it splits, or a part of it scatters."""
         return self.splits or (self.lobe is not None and (self.reflects or self.transmits))

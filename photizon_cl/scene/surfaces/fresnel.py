@@ -203,10 +203,10 @@ class Fresnel(Surface):
         return ["has the same index on both sides: it reflects nothing and bends nothing"]
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the reflectance at normal incidence and the critical angle, given indices."""
+        """Return reflectance at normal incidence, critical angle, given indices; what scatters."""
         if self.indices is None:
-            return {}
+            return self.scattered
         out = {"reflectance at normal incidence": (self.normal_reflectance, "")}
         if self.critical_angle_deg is not None:
             out["critical angle in the denser medium"] = (self.critical_angle_deg, "deg")
-        return out
+        return out | self.scattered

@@ -70,5 +70,5 @@ class Mirror(Surface):
         return 1.0 - self.reflectance
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the absorptance."""
-        return {"absorptance": (self.absorptance, "")}
+        """Return the absorptance, and what scatters."""
+        return {"absorptance": (self.absorptance, ""), **self.scattered}
