@@ -126,6 +126,8 @@ FN void scatter(const launch_t *launch, const scene_t *scene, const packet_t *p,
     path[2] = child_path(child_path(p->path, 1u), 1u);
 % endif
     for (int k = 0; k < ASIDE; k++) {
+        x[k] = p->dx; y[k] = p->dy; z[k] = p->dz;
+        ratio[k] = weight_splat(1.0);
         if (ANY(lobes[k].m)) send_aside(launch, scene, p, c, ledger, path[k], lobes + k, w + k, ratio + k, x + k, y + k, z + k);
     }
     const mask only = lobes[0].m;

@@ -97,7 +97,13 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
     o.second_w = weight_splat(0.0);
 % endif
 % for k in range(extras):
-    o.extra[${k}].m = NO_LANES;
+    o.extra[${k}].m = NO_LANES; o.extra[${k}].plus = c->came_plus;
+    o.extra[${k}].dx = p->dx; o.extra[${k}].dy = p->dy; o.extra[${k}].dz = p->dz;
+    o.extra[${k}].w = weight_splat(0.0);
+    o.extra[${k}].path = p->path;
+% if "ratio" in ray_real:
+    o.extra[${k}].ratio = weight_splat(1.0);
+% endif
 % endfor
 % if passes:
     o.passes = NO_LANES;
