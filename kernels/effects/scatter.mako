@@ -91,7 +91,7 @@ FN void scatter(const launch_t *launch, const scene_t *scene, const packet_t *p,
     const mask relative = m & INE(where & 1L, lsplat(0L)), sends = m & WEIGHT_GT(outcome->w, weight_splat(0.0));
     real mx, my, mz;
     reflect(p, c, &mx, &my, &mz);
-    const lobe_t lobe = lobe_about(scene, steps, m, where, c, outcome->went_plus, SEL(sends, outcome->dx, mx),
+    const lobe_t lobe = lobe_about(scene, steps, launch->scatter_heads, m, where, c, outcome->went_plus, SEL(sends, outcome->dx, mx),
                                    SEL(sends, outcome->dy, my), SEL(sends, outcome->dz, mz));
     const weight whole = SEL_WEIGHT(sends, outcome->w, p->w);
     const weight aside = fmin(SEL_WEIGHT(relative, whole, p->w) * TO_WEIGHT(${point("scatter.share", "lobe.tis")}), whole);
@@ -118,7 +118,7 @@ FN void scatter(const launch_t *launch, const scene_t *scene, const packet_t *p,
     w[0] = SEL_WEIGHT(sends, whole, aside);
     const weight goes = w[0];
 % if extras > 1:
-    lobes[2] = lobe_about(scene, steps, relative & outcome->splits, where, c, c->came_plus, outcome->second_dx,
+    lobes[2] = lobe_about(scene, steps, launch->scatter_heads, relative & outcome->splits, where, c, c->came_plus, outcome->second_dx,
                           outcome->second_dy, outcome->second_dz);
     w[2] = outcome->second_w * TO_WEIGHT(lobes[2].tis);
     const weight of_second = w[2];

@@ -1,4 +1,4 @@
-## counts (SCATTER_ …: places in a model's row), densities
+## counts (SCATTER_ …: places in a lobe's head; places in models' rows), densities
 // Lobes: what a surface scatters about a direction, by a BSDF of Delta = |beta - beta_0|, the distance of
 // the two directions' projections on the tangent plane.
 //
@@ -15,16 +15,20 @@
 % endif
 % endfor
 
-// m: lanes that scatter; row: where in `table` the numbers of each lane's model stand; model: its number;
-// a, b: beta_0 along the face; n: the normal on the side on which the ray goes on; middle: |beta_0|.
+// m: lanes that scatter; head: where in `codes` it stands where in `table` each lane's lobe has what (integers,
+// which a float need not hold); row: where the numbers of its model stand; model: the number of that;
+// a, b: beta_0 along the face; n: the normal on the side on which the ray goes on; middle: |beta_0|; depth: what
+// that leaves of 1.
 typedef struct {
     mask m;
     __global const double *table;
-    lint row, model;
+    __global const long *codes;
+    lint head, row, model;
     real a, b, middle, depth, nx, ny, nz, tis;
 } lobe_t;
 
 FN real lobe_number(const lobe_t *s, int column) { return gather(s->table + column, s->row); }
+FN lint lobe_place(const lobe_t *s, int column) { return gather_long(s->codes + column, s->head); }
 
 // Two components of a vector along the face: those that about_normal puts together.
 FN void along_face(real nx, real ny, real nz, real x, real y, real z, real *a, real *b) {
@@ -49,11 +53,10 @@ FN lint place_in(__global const double *table, lint first, lint n, long stride, 
 
 // TIS by the depth 1 - |beta_0| of the disc's rim: polynomials in pieces (photizon_cl/scene/scatters/total.py).
 FN real lobe_total(const lobe_t *s, ulong steps) {
-    const lint n = TO_LINT(lobe_number(s, SCATTER_PIECES));
-    const lint edges = TO_LINT(lobe_number(s, SCATTER_EDGES));
+    const lint n = lobe_place(s, SCATTER_PIECES), edges = lobe_place(s, SCATTER_EDGES);
     const lint at = place_in(s->table, edges, n, 1L, steps, s->depth);
     const real low = gather(s->table, edges + at);
-    const lint terms = TO_LINT(lobe_number(s, SCATTER_TERM_PLACE)) + at * (SCATTER_TERMS + 1L);
+    const lint terms = lobe_place(s, SCATTER_TERM_PLACE) + at * (SCATTER_TERMS + 1L);
     const real x = clamp(fma(s->depth - low, gather(s->table, terms), splat(-1.0)), splat(-1.0), splat(1.0));
     real total = gather(s->table + SCATTER_TERMS, terms);
     for (int k = SCATTER_TERMS - 1; k > 0; k--) total = fma(total, x, gather(s->table + k, terms));
@@ -61,14 +64,16 @@ FN real lobe_total(const lobe_t *s, ulong steps) {
 }
 
 // The lobe of lanes in m about a direction, on the side of the face on which that goes.
-FN lobe_t lobe_about(const scene_t *scene, ulong steps, mask m, lint where, const contact_t *c, mask plus,
+FN lobe_t lobe_about(const scene_t *scene, ulong steps, ulong some_head, mask m, lint where, const contact_t *c, mask plus,
                      real x, real y, real z) {
     lobe_t s;
-    const lint entry = SELI(m, where, lsplat(0L));
     s.m = m;
     s.table = scene->geometry;
-    s.row = entry >> 8;
-    s.model = (entry >> 1) & 127L;
+    s.codes = scene->codes;
+    // lanes that scatter nothing read of one that does
+    s.head = SELI(m, where >> 1, lsplat((long)some_head));
+    s.row = lobe_place(&s, SCATTER_ROW);
+    s.model = lobe_place(&s, SCATTER_MODEL);
     const real side = SEL(plus, splat(1.0), splat(-1.0));
     s.nx = side * c->nx; s.ny = side * c->ny; s.nz = side * c->nz;
     along_face(s.nx, s.ny, s.nz, x, y, z, &s.a, &s.b);

@@ -7,7 +7,7 @@
 #define NODE_STEPS 128UL
 FN mask try_table(const lobe_t *s, ulong seed, mask m, draws_t *draws, real u, real v, real *x, real *y) {
     __global const double *table = s->table;
-    const lint first = TO_LINT(lobe_number(s, NODES_PLACE)), n = TO_LINT(lobe_number(s, NODES_COUNT));
+    const lint first = lobe_place(s, SCATTER_NODES), n = lobe_place(s, SCATTER_NODE_COUNT);
     const real far = lobe_reach(s);
     const lint last = first + NODE * place_in(table, first, n, NODE, NODE_STEPS, far);
     const real node = gather(table, last);
@@ -26,7 +26,7 @@ FN mask try_table(const lobe_t *s, ulong seed, mask m, draws_t *draws, real u, r
 % if densities:
 
 FN real bsdf_table(const lobe_t *s, real square) {
-    const lint first = TO_LINT(lobe_number(s, NODES_PLACE)), n = TO_LINT(lobe_number(s, NODES_COUNT));
+    const lint first = lobe_place(s, SCATTER_NODES), n = lobe_place(s, SCATTER_NODE_COUNT);
     const real r = sqrt(square);
     const lint at = first + NODE * place_in(s->table, first, n, NODE, NODE_STEPS, r);
     const real behind = r - gather(s->table, at);

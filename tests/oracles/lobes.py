@@ -32,9 +32,10 @@ LOBES = {
 
 _BODY = """
 __kernel void test(__global const double *geometry, __global const double *ways,
-                   __global double *out, long where, ulong steps, ulong n) {
+                   __global double *out, __global const long *codes, long where, ulong steps,
+                   ulong n) {
     const size_t item = get_global_id(0);
-    const scene_t scene = {geometry, geometry, geometry, (__global const long *)geometry};
+    const scene_t scene = {geometry, geometry, geometry, codes};
     packet_t p;
     clear_packet(&p);
     uint lanes_set;
@@ -46,13 +47,14 @@ __kernel void test(__global const double *geometry, __global const double *ways,
     const lint at = (i % (long)(n)) * 3L;
     const real x = gather(ways, at), y = gather(ways + 1, at), z = gather(ways + 2, at);
     const mask plus = GT(dot3(x, y, z, c.nx, c.ny, c.nz), splat(0.0));
-    const lobe_t lobe = lobe_about(&scene, steps, ALL_LANES, lsplat(where), &c, plus, x, y, z);
+    const lobe_t lobe = lobe_about(&scene, steps, where >> 1, ALL_LANES, lsplat(where), &c, plus,
+                                   x, y, z);
     real dx, dy, dz;
     draw_lobe(7UL, &p, (luint)(1UL), &lobe, &dx, &dy, &dz);
     const real density = density_lobe(&lobe, dx, dy, dz);
     // the ray that came along -d, into where the first one came from
     const real up = dot3(dx, dy, dz, c.nx, c.ny, c.nz), cosine = dot3(x, y, z, c.nx, c.ny, c.nz);
-    const lobe_t back = lobe_about(&scene, steps, ALL_LANES, lsplat(where), &c, plus,
+    const lobe_t back = lobe_about(&scene, steps, where >> 1, ALL_LANES, lsplat(where), &c, plus,
                                    fma(2.0 * up, c.nx, -dx), fma(2.0 * up, c.ny, -dy),
                                    fma(2.0 * up, c.nz, -dz));
     const real reverse = density_lobe(&back, fma(2.0 * cosine, c.nx, -x),
@@ -107,7 +109,13 @@ def drawn(name: str, ways: NDArray[np.float64], rays: int, lanes: int = 1) -> ND
     made = tables()
     where = made.codes[made.launch["scatter"] + list(LOBES).index(name)]
     steps = np.uint64(made.launch["scatter_steps"])
-    arguments = [made.geometry, np.ascontiguousarray(ways), np.zeros(7 * rays), np.int64(where)]
+    arguments = [
+        made.geometry,
+        np.ascontiguousarray(ways),
+        np.zeros(7 * rays),
+        made.codes,
+        np.int64(where),
+    ]
     given = [*arguments, steps, np.uint64(len(ways))]
     return run_text(_BODY, given, rays, lanes=lanes, spec=made.spec)[2].reshape(7, rays)
 

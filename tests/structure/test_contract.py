@@ -49,7 +49,7 @@ def test_rows_stand_in_the_tables_under_their_names(group, kind):
     spec, tables = made.tables.spec, made.tables
     places = dict(spec.columns)
     first = {
-        "element": len(POSITION), "surface": 0, "source": len(SOURCE), "scatter": len(HEAD)
+        "element": len(POSITION), "surface": 0, "source": len(SOURCE), "scatter": 0
     }[group]  # fmt: skip
     constants = thing.row.constants(first)
     if group == "scatter":  # its columns are an effect's own
@@ -65,10 +65,9 @@ def test_rows_stand_in_the_tables_under_their_names(group, kind):
         packed = thing.packed(far, cls.axis, (1.0,) * 4)
     elif group == "scatter":
         at = next(n for n, e in enumerate(scene.element) if e.surface.lobe is thing)
-        entry = int(tables.codes[tables.launch["scatter"] + at])
-        row = tables.geometry[entry >> 8 :]
+        head = int(tables.codes[tables.launch["scatter"] + at]) >> 1
+        row = tables.geometry[tables.codes[head + HEAD.constants(0)["SCATTER_ROW"]] :]
         packed = thing.packed()
-        packed |= {name: row[constants[f"{thing.row.name}_{name.upper()}"]] for name in thing.lists}
     elif group == "source":
         row = tables.sources[scene.source.index(thing) * spec.strides.source :]
         packed = thing.packed()

@@ -265,7 +265,7 @@ _INNER = frozenset(
     {
         "class_axis", "local_box", "ported", "half_sizes", "reach", "faces", "sole_face", "outline",
         "hole", "face", "draws_position", "self_view_factor", "diffuse_reflectance", "lobe",
-        "branches", "scattered", "width", "kinks", "sharpness", "falls", "lists", "pieces",
+        "branches", "scattered", "width", "kinks", "sharpness", "falls", "nodes", "pieces",
     }
 )  # fmt: skip
 

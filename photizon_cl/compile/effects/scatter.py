@@ -11,14 +11,12 @@ from photizon_cl.compile.effects.base import Effect
 from photizon_cl.compile.effects.face_surfaces import faced
 from photizon_cl.scene.scatters import Scatter as Model
 from photizon_cl.scene.scatters.base import HEAD
-from photizon_cl.scene.scatters.total import TERMS
 
 if TYPE_CHECKING:
     from photizon_cl.compile.draft import Draft
     from photizon_cl.scene.described import Described
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.settings import RunSettings
-    from photizon_cl.scene.surfaces import Surface
 
 _NONE = -1
 
@@ -59,7 +57,7 @@ class Scatter(Effect):
         numbers = {f"scatter.{cls.kernel}": n for n, cls in enumerate(models)}
         places = HEAD.constants(0)
         for cls in models:
-            places |= cls.row.constants(len(HEAD))
+            places |= cls.row.constants(0)
         lobes = [s for e in draft.scene.element for s in e.surfaces if s.lobe is not None]
         of_second = any(s.splits for s in lobes)
         call = "scatter(launch, scene, p, h, c, ledger, element, found, takes, &outcome);"
@@ -74,6 +72,7 @@ class Scatter(Effect):
             hooks=(("surface", call),),
             launch=(
                 ("scatter", "ulong", "where in codes the lobes of elements or their faces stand"),
+                ("scatter_heads", "ulong", "where in codes it stands what the lobes have"),
                 ("scatter_steps", "ulong", "the power of two from which TIS is searched"),
             ),
             parameters=(*numbers.items(), *places.items()),
@@ -83,42 +82,40 @@ class Scatter(Effect):
         """Put the models' numbers behind the geometry, and which face has which into the codes."""
         assert draft.geometry is not None
         number = {cls: n for n, cls in enumerate(draft.scatters)}
-        places: dict[Model, int] = {}
-        most, parts = 1, [draft.geometry]
-        end = len(draft.geometry)
+        parts, end, most = [draft.geometry], len(draft.geometry), 1
 
-        def put(values: np.ndarray | list[float]) -> int:
+        def put(values: np.ndarray | list[float] | list[list[float]]) -> int:
             nonlocal end
-            parts.append(np.asarray(values, np.float64))
+            parts.append(np.ravel(np.asarray(values, np.float64)))
             end += len(parts[-1])
             return end - len(parts[-1])
 
-        def lobe_of(surface: Surface) -> int:
-            nonlocal most
-            model = surface.lobe
-            if model is None:
-                return _NONE
-            if model not in places:
-                pieces = model.pieces
-                n = len(pieces.terms)
-                most = max(most, n)
-                rows = np.empty((n, TERMS + 1))
-                rows[:, 0] = 2.0 / np.diff(pieces.edges)
-                rows[:, 1:] = pieces.terms
-                head = {"pieces": float(n), "edges": float(put(pieces.edges[:-1]))}
-                head["term_place"] = float(put(rows.ravel()))
-                own = model.packed()
-                own |= {name: float(put(listed)) for name, listed in model.lists.items()}
-                places[model] = put([*HEAD.pack(head), *model.row.pack(own)])
-            relative = int(surface.splits)
-            return places[model] << 8 | number[type(model)] << 1 | relative
-
         by_face = "material_of_face" in draft.launch  # of three faces each, see face_surfaces.py
-        found = [
-            lobe_of(surface)
+        surfaces = [
+            surface
             for element in draft.scene.element
             for surface in (faced(element) if by_face else element.surfaces)
         ]
+        heads: dict[Model, int] = {}
+        first = draft.add_codes([0] * len(HEAD))  # of what lanes without a lobe read
+        for model in dict.fromkeys(s.lobe for s in surfaces if s.lobe is not None):
+            pieces = model.pieces
+            terms = np.column_stack((2.0 / np.diff(pieces.edges), pieces.terms))
+            most = max(most, len(terms))
+            head = {
+                "model": number[type(model)],
+                "row": put(model.row.pack(model.packed())),
+                "pieces": len(terms),
+                "edges": put(pieces.edges[:-1]),
+                "term_place": put(terms),
+                "nodes": put(model.nodes),
+                "node_count": len(model.nodes),
+            }
+            heads[model] = draft.add_codes(map(int, HEAD.pack(head)))
+        found = [
+            heads[s.lobe] << 1 | int(s.splits) if s.lobe is not None else _NONE for s in surfaces
+        ]
         draft.launch["scatter"] = draft.add_codes(found or [_NONE])
+        draft.launch["scatter_heads"] = min(heads.values(), default=first)
         draft.launch["scatter_steps"] = 1 << max((most - 1).bit_length() - 1, 0)
         draft.geometry = np.concatenate(parts)

@@ -44,7 +44,7 @@ class Scatter(Described):
     costs: ClassVar[str] = ""
     """What the device does more because of it, in one line."""
     row: ClassVar[Row]
-    """Columns of its row, behind those of `HEAD`."""
+    """Columns of its row, in the geometry table."""
 
     @abstractmethod
     def bsdf_of(self, delta: Array) -> Array:
@@ -79,9 +79,9 @@ class Scatter(Described):
         """Return the values of its row's columns by name."""
 
     @property
-    def lists(self) -> dict[str, list[float]]:
-        """Numbers that the kernel reads besides, by the column that says where they stand."""
-        return {}
+    def nodes(self) -> list[list[float]]:
+        """What the kernel reads of each of its nodes, of one that has some."""
+        return []
 
     def refusal(self) -> str:
         """Say why it cannot be sampled; empty where it can."""
@@ -136,11 +136,15 @@ class Scatter(Described):
 
 HEAD: Final = Row(
     "SCATTER",
+    ("model", "", "number of the model in the program"),
+    ("row", "", "where in the geometry table its row stands"),
     ("pieces", "", "number of the pieces of TIS(1 − |β₀|)"),
     ("edges", "", "where in the geometry table their lower edges stand"),
     ("term_place", "", "where there what each is made of stands"),
+    ("nodes", "", "where there its nodes stand, of one that has some"),
+    ("node_count", "", "their number"),
 )
-"""What every model's row begins with."""
+"""What is told of every lobe in the table of codes, in integers."""
 
 
 def scatter_problems(known: Known, most: float, limit: str, why: str) -> list[Problem]:

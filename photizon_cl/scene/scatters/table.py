@@ -12,7 +12,7 @@ import numpy as np
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.number_lists import Ascending
 from photizon_cl.scene.parameters import Number, Numbers, declare
-from photizon_cl.scene.rows import Row
+from photizon_cl.scene.rows import NO_ROW, Row
 from photizon_cl.scene.scatters.base import Scatter
 from photizon_cl.scene.scatters.total import pieces_of
 
@@ -52,9 +52,7 @@ class TableScatter(Scatter):
     costs: ClassVar[str] = (
         "two random blocks and three searches of the table for each that is tried"
     )
-    row: ClassVar[Row] = Row(
-        "NODES", ("place", "", "where in the geometry table they stand"), ("count", "", "of them")
-    )
+    row: ClassVar[Row] = NO_ROW
     sample: ClassVar[Mapping[str, object]] = MappingProxyType(
         {"delta": (0.0, 0.01, 0.1, 1.0), "bsdf_per_sr": (10.0, 5.0, 0.1, 0.005)}
     )
@@ -126,22 +124,23 @@ class TableScatter(Scatter):
         return all(b <= a for a, b in zip(self._values, self._values[1:], strict=False))
 
     def packed(self) -> dict[str, float]:
-        """Return the number of nodes; where they stand is known where they are put."""
-        return {"place": 0.0, "count": float(len(self._nodes))}
+        """Return nothing: there are nodes."""
+        return {}
 
     @property
-    def lists(self) -> dict[str, list[float]]:
-        """For the kernel of each node Δ, BSDF, slope behind it, height and sum of what is tried."""
+    def nodes(self) -> list[list[float]]:
+        """Of each node Δ, BSDF, slope behind it, height and sum of what is tried."""
         r, f = self._nodes, self._values
-        rows, so_far = [], 0.0
+        rows: list[list[float]] = []
+        so_far = 0.0
         for k in range(len(r)):
             last = k + 1 == len(r)
             slope = 0.0 if last else (f[k + 1] - f[k]) / (r[k + 1] - r[k])
             most = 0.0 if last else max(f[k], f[k + 1])
-            rows += [r[k], f[k], slope, most, so_far]
+            rows.append([r[k], f[k], slope, most, so_far])
             if not last:
                 so_far += 0.5 * most * (r[k + 1] - r[k]) * (r[k + 1] + r[k])
-        return {"place": rows}
+        return rows
 
     @property
     def _nodes(self) -> tuple[float, ...]:
@@ -178,7 +177,7 @@ class TableScatter(Scatter):
         )
 
     def _tried_within(self, radius: Array) -> Array:
-        rows: Array = np.array(self.lists["place"]).reshape(-1, 5)
+        rows: Array = np.array(self.nodes)
         at, _ = self._place(radius)
         r, most = rows[at, 0], rows[at, 3]
         part: Array = 0.5 * most * (radius - r) * (radius + r)
