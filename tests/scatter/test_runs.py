@@ -31,21 +31,18 @@ def test_one_of_two_goes_on_where_rays_do_not_split():
 
 
 NAMED = ("gaussian", "abg", "harvey-shack", "lambertian", "table")
+CASES = [
+    *((name, {"kind": "absorber"}, 1.0) for name in NAMED),
+    ("gaussian", {"kind": "mirror", "reflectance": 0.9}, 1.0),
+    ("gaussian", {"kind": "fresnel", "index": 1.5}, 0.04),
+]
 
 
 @pytest.mark.statistical
-@pytest.mark.parametrize("name", NAMED)
-def test_a_target_gets_what_the_bsdf_sends_there(name):
-    """Drawn towards it, which changes no mean, and for one model as it comes."""
-    scattering.ring_over_a_plate(name, {"kind": "absorber"})
-    if name == "gaussian":
-        scattering.ring_over_a_plate(name, {"kind": "absorber"}, aimed=False)
-
-
-@pytest.mark.statistical
-def test_targets_get_theirs_from_mirrors_and_from_each_child_of_glass():
-    scattering.ring_over_a_plate("gaussian", {"kind": "mirror", "reflectance": 0.9})
-    scattering.ring_over_a_plate("gaussian", {"kind": "fresnel", "index": 1.5}, part=0.04)
+@pytest.mark.parametrize("aimed", [True, False])
+def test_targets_get_what_the_bsdf_sends_there(aimed):
+    """Of every model and surface: drawn towards them, which changes no mean, and as it comes."""
+    scattering.rings_over_plates(CASES, aimed=aimed)
 
 
 @pytest.mark.statistical
