@@ -83,6 +83,14 @@ def test_a_detector_counts_what_ends():
         pz.load(tables(BLACK, GAUSS, detector={}))
 
 
+def test_a_detector_counts_what_ends_on_every_face():
+    rim = pz.Absorber(pz.LambertianScatter(tis=0.1))
+    lens = {"front_radius": 0.1, "back_radius": 0.1, "thickness": 0.02, "aperture_radius": 0.02}
+    place = {"name": "lens", "position": (0, 0, 0), "axis": "+z", "surface": pz.Absorber()}
+    with pytest.raises(pz.SceneError, match=r"edge\.scatter: found a scatter"):
+        pz.Lens(**place, **lens, edge=rim, detector=pz.Detector())
+
+
 def test_all_of_the_reflectance_may_scatter():
     scene = pz.load(tables({"kind": "mirror", "reflectance": 0.2}, GAUSS))
     assert scene.splits()

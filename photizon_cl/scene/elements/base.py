@@ -157,6 +157,10 @@ class Element(Described):
                 )
                 expected = f"no {own.kind} surface beside a detector"
                 problems.append(Problem(f"{name}.kind", show(own.kind), expected, hint=hint))
+            elif own is not None and own.get("scatter") is not None:
+                hint = "a detector counts what ends, and this face sends a part of it on"
+                expected = "none beside a detector"
+                problems.append(Problem(f"{name}.scatter", "a scatter", expected, hint=hint))
         side, sides = detector.get("side"), FLAT_SIDES if cls.flat else CURVED_SIDES
         if side is not None and side not in sides:
             body = "flat: its front is the side that its normal points to" if cls.flat else "curved"
