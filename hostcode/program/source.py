@@ -145,6 +145,8 @@ def program_source(spec: ProgramSpec) -> str:
         "records": spec.records,
         "recorded": spec.recorded,
         "splits": spec.splits,
+        "extras": spec.extras,
+        "children": spec.children,
         "pairs": spec.pairs,
         "events": spec.events,
         "keyed": spec.keyed,

@@ -216,6 +216,9 @@ class EffectParts:
         What is recorded for the tally stage, some of `hostcode.program.source.RECORDS`.
     splits : bool
         Whether rays go on as two.
+    extras : int
+        Rays that it sends on beside those two, where they go on as two (``extra_t`` in
+        kernels/lib/event.mako).
     pairs : bool
         Whether it looks at the second ray that a surface gives.
     events : bool
@@ -244,6 +247,7 @@ class EffectParts:
     launch: tuple[tuple[str, str, str], ...] = ()
     records: tuple[str, ...] = ()
     splits: bool = False
+    extras: int = 0
     pairs: bool = False
     events: bool = False
     keyed: bool = False
@@ -379,6 +383,16 @@ class ProgramSpec:
     def splits(self) -> bool:
         """Whether rays go on as two."""
         return any(part.splits for part in self.parts)
+
+    @property
+    def extras(self) -> int:
+        """Rays that may go on beside two."""
+        return sum(part.extras for part in self.parts) if self.splits else 0
+
+    @property
+    def children(self) -> int:
+        """Rays that may go on beside one."""
+        return 1 + self.extras if self.splits else 0
 
     @property
     def pairs(self) -> bool:

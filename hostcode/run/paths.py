@@ -122,8 +122,8 @@ class Follower:
         spec = tables.spec.for_device(1, ("paths",))
         self._program = build(device, spec)
         self._kernel = self._program.kernel("paths_stage")
-        # A split leaves one child waiting, so that no more wait than segments were written.
-        stack = max_segments + 2 if spec.splits else 1
+        # A split leaves its children waiting: so many for each segment that was written.
+        stack = max_segments * spec.children + 2 if spec.splits else 1
         words = len(of_type(spec.ray_fields, "word"))
         waiting = 8 * (len(spec.ray_fields) - words) + 4 * words + 8
         a_ray = 8 * (REALS + WHOLES) * max_segments + waiting * stack + 16

@@ -133,13 +133,13 @@ def hit_sizes(tables: DeviceTables, plan: ExecutionPlan, places: int) -> tuple[i
 
 def _capacity(tables: DeviceTables, plan: ExecutionPlan, items: int, an_item: int) -> int:
     """Return how many waiting rays a work-item's segment holds at first."""
-    splitting = tables.spec.splits
+    children = tables.spec.children
     if plan.composition == "classical":
         rays = math.ceil(an_item / plan.lanes) * plan.lanes
-        return 2 * rays + plan.lanes if splitting else rays
+        return (1 + children) * rays + plan.lanes if children else rays
     most = _WAITING_BYTES // (items * Queue.bytes_of_a_ray(tables.spec))
     if plan.composition == "whole-path":
-        return max(min(plan.stack_rays, most), 4) if splitting else 1
-    if not splitting:
+        return max(min(plan.stack_rays, most), 3 + children) if children else 1
+    if not children:
         return plan.lanes
-    return max(min(plan.stack_rays, most), 4 * plan.lanes)
+    return max(min(plan.stack_rays, most), (3 + children) * plan.lanes)

@@ -78,7 +78,7 @@ def follow_trails(
     program = build(device, spec)
     kernel = program.kernel("trails_stage")
     cap = int(tables.launch["generation_cap"])
-    stack = cap + 2 if spec.splits else 1
+    stack = cap * spec.children + 2 if spec.splits else 1
     room = cap + 1
     words = len(of_type(spec.ray_fields, "word"))
     a_ray = 8 * room + (8 * (len(spec.ray_fields) - words) + 4 * words + 8) * stack

@@ -232,7 +232,7 @@ class Engine:
     def _write_launch(self, first_batch: int, items: int | None = None) -> None:
         plan = self.plan
         capacity = self._queue.capacity
-        splitting = self.tables.spec.splits
+        children = self.tables.spec.children
         launch = launch_of(
             self.tables,
             ray_base=first_batch * self._rays_per_batch,
@@ -240,7 +240,7 @@ class Engine:
             items=self._items if items is None else items,
             max_bounces=min(self._steps, self._most_steps),
             refill=min(plan.refill, plan.lanes),
-            fill=capacity // 2 if splitting else capacity,
+            fill=capacity // (1 + children),
             stack_capacity=capacity,
             record_capacity=self._record_capacity,
         )

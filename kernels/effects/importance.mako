@@ -125,18 +125,95 @@ FN real density_scattered(const launch_t *launch, const scene_t *scene, const pa
     return density;
 }
 
-FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t *p, const hit_t *h,
-                    const contact_t *c, ledger_t *ledger, lint row, outcome_t *outcome) {
+// A ray that may be sent towards targets: the lanes in which it may, and in which it is; the chance a that it
+// is; the share of the targets that can be seen, and their density into the direction that it takes.
+typedef struct { mask m, sent; real a, seen, density; } aim_t;
+
+// Chooses whether a ray is sent towards a target.  m: lanes that have a direction drawn from a density; path: the
+// ray's place in its tree, which its draw is keyed by; drawn_w: its weight in any direction; up: the normal on
+// the side on which it goes on.  x, y, z: the direction that its surface drew, and the one that it takes.
+FN aim_t aim_ray(const launch_t *launch, const scene_t *scene, const packet_t *p, const contact_t *c, luint path,
+                 mask m, weight drawn_w, real upx, real upy, real upz, real *x, real *y, real *z) {
+    aim_t aim;
+    aim.sent = NO_LANES;
     // the weight over the heaviest that it may become
 % if "launched" in ray_real:
-    const weight part = outcome->drawn_w / (p->launched * WT(HEAVIEST));
+    const weight part = drawn_w / (p->launched * WT(HEAVIEST));
 % else:
-    const weight part = outcome->drawn_w * WT(1.0 / HEAVIEST);
+    const weight part = drawn_w * WT(1.0 / HEAVIEST);
 % endif
     // the chance a, at most as large as weights allow
     const real a = fmin(splat(launch->toward_fraction), TO_REAL(weight_splat(1.0) - part));
-    mask m = outcome->drawn & WEIGHT_GT(outcome->drawn_w, weight_splat(0.0)) & GT(a, splat(0.0));
-    if (!ANY(m)) return;
+    aim.a = a;
+    aim.m = m & WEIGHT_GT(drawn_w, weight_splat(0.0)) & GT(a, splat(0.0));
+    aim.seen = splat(0.0);
+    aim.density = splat(0.0);
+    if (!ANY(aim.m)) return aim;
+    real u, v;
+    draw_pair(launch->seed, p->ray_lo, p->ray_hi, path, p->generation, DECIDE_TOWARD, &u, &v);
+
+    // the target that is drawn, if any: each has its own part of [0, 1), and what of u lies below a, over a,
+    // is a new number there, and again within the part
+    const real choice = u / a;
+    __global const double *targets = scene->geometry + launch->targets;
+    real seen = splat(0.0);         // share of the targets that can be seen
+    real density = splat(0.0);      // of the targets, into the surface's own direction
+    real aimed = splat(0.0);        // of the targets, into the one that is drawn
+    real ax = *x, ay = *y, az = *z;
+    lint drawn = lsplat(-1L);
+    for (long k = 0; k < (long)launch->n_targets; k++) {
+        __global const double *t = targets + k * ${stride};
+        const sight_t s = see_target(t, c, upx, upy, upz);
+        seen += SEL(s.seen, splat(t[TARGET_SHARE]), splat(0.0));
+        density += SEL(s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, *x, *y, *z), splat(0.0));
+        const mask mine = aim.m & s.seen & GE(choice, splat(t[TARGET_FIRST])) & LT(choice, splat(t[TARGET_END]));
+        if (ANY(mine)) {
+            real tx, ty, tz;
+            const real again = clamp((choice - R(t[TARGET_FIRST])) * R(t[TARGET_PER_SHARE]), splat(0.0), splat(1.0));
+            const real own = draw_target(t, &s, again, v, &tx, &ty, &tz);
+            aimed = SEL(mine, R(t[TARGET_SHARE]) * own, aimed);
+            ax = SEL(mine, tx, ax); ay = SEL(mine, ty, ay); az = SEL(mine, tz, az);
+            drawn = SELI(mine, lsplat(k), drawn);
+        }
+    }
+    aim.m &= GT(seen, splat(0.0));
+    if (!ANY(aim.m)) return aim;
+    const mask sent = aim.m & IGE(drawn, lsplat(0L));
+    for (long k = 0; launch->n_targets > 1 && k < (long)launch->n_targets; k++) {
+        // what was drawn at a target's edge counts as met, wherever rounding put it
+        const mask other = sent & INE(drawn, lsplat(k));
+        if (!ANY(other)) continue;
+        __global const double *t = targets + k * ${stride};
+        const sight_t s = see_target(t, c, upx, upy, upz);
+        aimed += SEL(other & s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, ax, ay, az), splat(0.0));
+    }
+    *x = SEL(sent, ax, *x); *y = SEL(sent, ay, *y); *z = SEL(sent, az, *z);
+    aim.sent = sent;
+    aim.seen = seen;
+    aim.density = SEL(sent, aimed, density);
+    return aim;
+}
+
+// What such a ray weighs, given the density with which its surface sends it into the direction that it takes; w:
+// what it would weigh in its surface's own direction, and `ratio` its weight over drawn_w.
+FN weight weigh_aimed(const launch_t *launch, ledger_t *ledger, const aim_t *aim, real by_surface, weight w,
+                      weight drawn_w, weight *ratio) {
+    const real density = aim->density;
+    const real both = fma(aim->a, ${point("importance.mixture", "density")}, fma(-aim->a, aim->seen, splat(1.0)) * by_surface);
+    // a direction that the surface never takes has no weight: the ray ends
+    const real factor = SEL(GT(by_surface, splat(0.0)), by_surface / both, splat(0.0));
+    // where the surface's own draw led nowhere, nothing goes on unless another direction was drawn
+    const mask goes = WEIGHT_GT(w, weight_splat(0.0)) | aim->sent;
+    const weight after = SEL_WEIGHT(goes, drawn_w * TO_WEIGHT(${point("importance.ratio", "factor")}), weight_splat(0.0));
+    const image_t lost = image_difference(image_of(w), ${point("importance.booked", "image_of(after)")});
+    book_row(launch, ledger, ROW_IMPORTANCE_BALANCE, aim->m, lost);
+    *ratio = SEL_WEIGHT(aim->m & WEIGHT_GT(after, weight_splat(0.0)), TO_WEIGHT(factor), weight_splat(1.0));
+    return SEL_WEIGHT(aim->m, after, w);
+}
+
+FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t *p, const hit_t *h,
+                    const contact_t *c, ledger_t *ledger, lint row, outcome_t *outcome) {
+    if (!ANY(outcome->drawn)) return;
 % if pairs:
     const mask second = outcome->drawn_second;
     const real up = SEL((second & c->came_plus) | (~second & outcome->went_plus), splat(1.0), splat(-1.0));
@@ -148,56 +225,13 @@ FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t
     real x = outcome->dx, y = outcome->dy, z = outcome->dz;
     const weight w = outcome->w;
 % endif
-    const real upx = up * c->nx, upy = up * c->ny, upz = up * c->nz;
-    real u, v;
-    draw_pair(launch->seed, p->ray_lo, p->ray_hi, path_of(p), p->generation, DECIDE_TOWARD, &u, &v);
-
-    // the target that is drawn, if any: each has its own part of [0, 1), and what of u lies below a, over a,
-    // is a new number there, and again within the part
-    const real choice = u / a;
-    __global const double *targets = scene->geometry + launch->targets;
-    real seen = splat(0.0);         // share of the targets that can be seen
-    real density = splat(0.0);      // of the targets, into the surface's own direction
-    real aimed = splat(0.0);        // of the targets, into the one that is drawn
-    real ax = x, ay = y, az = z;
-    lint drawn = lsplat(-1L);
-    for (long k = 0; k < (long)launch->n_targets; k++) {
-        __global const double *t = targets + k * ${stride};
-        const sight_t s = see_target(t, c, upx, upy, upz);
-        seen += SEL(s.seen, splat(t[TARGET_SHARE]), splat(0.0));
-        density += SEL(s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, x, y, z), splat(0.0));
-        const mask mine = m & s.seen & GE(choice, splat(t[TARGET_FIRST])) & LT(choice, splat(t[TARGET_END]));
-        if (ANY(mine)) {
-            real tx, ty, tz;
-            const real again = clamp((choice - R(t[TARGET_FIRST])) * R(t[TARGET_PER_SHARE]), splat(0.0), splat(1.0));
-            const real own = draw_target(t, &s, again, v, &tx, &ty, &tz);
-            aimed = SEL(mine, R(t[TARGET_SHARE]) * own, aimed);
-            ax = SEL(mine, tx, ax); ay = SEL(mine, ty, ay); az = SEL(mine, tz, az);
-            drawn = SELI(mine, lsplat(k), drawn);
-        }
-    }
-    m &= GT(seen, splat(0.0));
+    const aim_t aim = aim_ray(launch, scene, p, c, path_of(p), outcome->drawn, outcome->drawn_w, up * c->nx,
+                              up * c->ny, up * c->nz, &x, &y, &z);
+    const mask m = aim.m;
     if (!ANY(m)) return;
-    const mask sent = m & IGE(drawn, lsplat(0L));
-    for (long k = 0; launch->n_targets > 1 && k < (long)launch->n_targets; k++) {
-        // what was drawn at a target's edge counts as met, wherever rounding put it
-        const mask other = sent & INE(drawn, lsplat(k));
-        if (!ANY(other)) continue;
-        __global const double *t = targets + k * ${stride};
-        const sight_t s = see_target(t, c, upx, upy, upz);
-        aimed += SEL(other & s.seen, R(t[TARGET_SHARE]) * density_target(t, &s, ax, ay, az), splat(0.0));
-    }
-    x = SEL(sent, ax, x); y = SEL(sent, ay, y); z = SEL(sent, az, z);
-    density = SEL(sent, aimed, density);
     const real by_surface = density_scattered(launch, scene, p, h, c, m, row, x, y, z);
-    const real both = fma(a, ${point("importance.mixture", "density")}, fma(-a, seen, splat(1.0)) * by_surface);
-    // a direction that the surface never takes has no weight: the ray ends
-    const real ratio = SEL(GT(by_surface, splat(0.0)), by_surface / both, splat(0.0));
-    // where the surface's own draw led nowhere, nothing goes on unless another direction was drawn
-    const mask goes = WEIGHT_GT(w, weight_splat(0.0)) | sent;
-    const weight after = SEL_WEIGHT(goes, outcome->drawn_w * TO_WEIGHT(${point("importance.ratio", "ratio")}), weight_splat(0.0));
-    const image_t lost = image_difference(image_of(w), ${point("importance.booked", "image_of(after)")});
-    book_row(launch, ledger, ROW_IMPORTANCE_BALANCE, m, lost);
+    weight ratio;
+    const weight after = weigh_aimed(launch, ledger, &aim, by_surface, w, outcome->drawn_w, &ratio);
 % if pairs:
     const mask first = m & ~second, other = m & second;
     outcome->second_dx = SEL(other, x, outcome->second_dx); outcome->second_dy = SEL(other, y, outcome->second_dy);
@@ -211,6 +245,6 @@ FN void send_toward(const launch_t *launch, const scene_t *scene, const packet_t
     outcome->dz = SEL(first, z, outcome->dz);
     outcome->w = SEL_WEIGHT(first, after, outcome->w);
 % if "ratio" in ray_real:
-    outcome->ratio = SEL_WEIGHT(m & WEIGHT_GT(after, weight_splat(0.0)), TO_WEIGHT(ratio), outcome->ratio);
+    outcome->ratio = SEL_WEIGHT(m & WEIGHT_GT(after, weight_splat(0.0)), ratio, outcome->ratio);
 % endif
 }

@@ -1,5 +1,5 @@
 ## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes, events (whether
-## what happened is asked for), densities (whether that of what scatters is)
+## what happened is asked for), extras (rays that may go on beside two), densities (whether that of what scatters is)
 // What a surface is told of a ray that meets it, and what it answers.
 //
 // Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
@@ -38,6 +38,20 @@ FN weight weight_number(const material_t *material, int column) {
     return gather_weight(material->table + column, material->row);
 }
 
+% if extras:
+// A ray that goes on beside those two: always a scattered one.  plus: whether on the + side; path: its place in
+// the launched ray's tree.
+typedef struct {
+    mask m, plus;
+    real dx, dy, dz;
+    weight w;
+    luint path;
+% if "ratio" in ray_real:
+    weight ratio;
+% endif
+} extra_t;
+
+% endif
 // dx, dy, dz, w: the ray that goes on in its lane, none where w is 0.  went_plus: whether on the + side.
 // splits: lanes in which a second ray goes on, on the side that the ray came from, with direction second_d
 // and weight second_w.  passes: lanes in which nothing happened: the ray goes on in its generation.
@@ -50,6 +64,9 @@ typedef struct {
     mask splits;
     real second_dx, second_dy, second_dz;
     weight second_w;
+% endif
+% if extras:
+    extra_t extra[${extras}];
 % endif
 % if passes:
     mask passes;
@@ -79,6 +96,15 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
     o.second_dx = p->dx; o.second_dy = p->dy; o.second_dz = p->dz;
     o.second_w = weight_splat(0.0);
 % endif
+% for k in range(extras):
+    o.extra[${k}].m = NO_LANES; o.extra[${k}].plus = c->came_plus;
+    o.extra[${k}].dx = p->dx; o.extra[${k}].dy = p->dy; o.extra[${k}].dz = p->dz;
+    o.extra[${k}].w = weight_splat(0.0);
+    o.extra[${k}].path = p->path;
+% if "ratio" in ray_real:
+    o.extra[${k}].ratio = weight_splat(1.0);
+% endif
+% endfor
 % if passes:
     o.passes = NO_LANES;
 % endif

@@ -33,8 +33,8 @@
 // Hooks: `travel`, at the end of a segment, before the surface is met; `surface`, in shade, when the
 // outcome is known; `survive`, before a ray goes on to its next segment.
 //
-// reads: packet, hit, scene tables.  writes: packet and child (the second ray of lanes that split, with
-// what is left of both), contact, the ledger, records (where there are any).
+// reads: packet, hit, scene tables.  writes: packet and child (CHILDREN packets: the second ray of lanes
+// that split, and others beside it, with what is left of all), contact, the ledger, records (where there are any).
 FN void interact(const launch_t *launch, const scene_t *scene, const records_t *records, ulong *n_records,
                  ledger_t *ledger, packet_t *p, const hit_t *h, contact_t *c, packet_t *child) {
     locate(scene, p, h, c);
@@ -59,5 +59,8 @@ ${statement}
     survive(launch, p, ledger, met);
 % if splits:
     if (ANY(child->alive)) survive(launch, child, ledger, met);
+% for k in range(1, extras + 1):
+    if (ANY(child[${k}].alive)) survive(launch, child + ${k}, ledger, met);
+% endfor
 % endif
 }

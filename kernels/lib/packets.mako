@@ -1,9 +1,12 @@
-## effects, classes, splits, orders, ends; ray_struct (text of members); hit_fields; columns, strides;
+## effects, classes, splits, children, orders, ends; ray_struct (text of members); hit_fields; columns, strides;
 ## code (fields of a code); counts (of notes)
 // The ray packet and the surface hit.
 
 // Packets that a work-item keeps; more than one where they are taken in turn (effects/acceleration.mako).
 #define PACKETS ${packets}
+
+// Packets of rays that an interaction gives beside the one that goes on.
+#define CHILDREN ${max(children, 1)}
 
 // A ray in every lane.  The + side of a face is the one its outward normal points to.
 typedef struct {

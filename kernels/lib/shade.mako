@@ -1,10 +1,10 @@
-## surfaces (kinds in use: .kind, .number, .single, .absorbs, .splits), effects, recorded, splits, passes,
+## surfaces (kinds in use: .kind, .number, .single, .absorbs, .splits), effects, recorded, splits, extras, passes,
 ## ray_fields (.onward, .second: their values behind a surface)
 // What happens to each lane: it escapes, or its surface takes, sends on or splits its weight.
 //
 // reads: packet, hit, contact.  writes: packet (in place), the ledger; `end` says which lanes arrive at a
 // place that is recorded, with what is recorded of them; `child` is the second ray of each lane that
-// split.
+// split${", and behind it stand those that go on beside both" if extras else ""}.
 typedef struct {
     mask m;
 ${ending_struct}} ending_t;
@@ -119,7 +119,44 @@ ${statement}
     child->${field.name} = ${field.second};
 % endif
 % endfor
+% for k in range(extras):
+    {
+        // the ray beside, as if it were the one that goes on
+        const extra_t *extra = outcome.extra + ${k};
+        packet_t *beside = child + ${k + 1};
+        *beside = *p;
+        beside->alive = extra->m & WEIGHT_GT(extra->w, weight_splat(0.0));
+        beside->ox = c->x; beside->oy = c->y; beside->oz = c->z;
+        beside->dx = extra->dx; beside->dy = extra->dy; beside->dz = extra->dz;
+        beside->w = extra->w;
+        beside->left = face | (INT_MASK(extra->plus) & 2L);
+        outcome_t own = outcome;
+        own.went_plus = extra->plus;
+% if events:
+        own.event = wsplat(SCATTERED);
+% endif
+% if "ratio" in ray_real:
+        own.ratio = extra->ratio;
+        own.drawn_second = NO_LANES;
+% endif
+        {
+            const outcome_t outcome = own;
+% for field in ray_fields:
+% if field.onward:
+            beside->${field.name} = ${field.onward};
+% endif
+% endfor
+        }
+        beside->path = extra->path;
+    }
+% endfor
     p->path = SELI(outcome.splits, child_path(p->path, 0u), p->path);
+% if extras:
+    p->path = SELI(outcome.extra[0].m, child_path(p->path, 0u), p->path);
+% endif
+% if extras > 1:
+    child->path = SELI(outcome.extra[1].m, child_path(child->path, 0u), child->path);
+% endif
 % endif
 % for field in ray_fields:
 % if field.onward:

@@ -24,7 +24,7 @@ __kernel void generate_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS) {
     }
     ulong n = item.stack;
 % if splits:
-    n = min(n, launch->stack_capacity - item.stack);
+    n = min(n, (launch->stack_capacity - item.stack) / CHILDREN);
 % endif
 % if records:
     n = min(n, launch->record_capacity);
@@ -87,7 +87,7 @@ __kernel void interact_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
     const long field = (long)(queue.items * queue.capacity);
     ulong kept = item.base, tail = item.stack;
     for (long j = item.base; j < item.stack; j += LANES) {
-        packet_t p, child;
+        packet_t p, child[CHILDREN];
         clear_packet(&p);
         uint n;
         const lint i = rank_lanes(ALL_LANES, &n) + j;
@@ -102,11 +102,11 @@ __kernel void interact_stage(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS,
 % endfor
         hit.found = p.alive & LT(hit.t, splat(INFINITY));
         contact_t contact;
-        interact(launch, &scene, &records, &item.records, &ledger, &p, &hit, &contact, &child);
+        interact(launch, &scene, &records, &item.records, &ledger, &p, &hit, &contact, child);
         push_rays(&queue, &kept, p.alive, &p);
-% if splits:
-        push_rays(&queue, &tail, child.alive, &child);
-% endif
+% for k in range(children):
+        push_rays(&queue, &tail, child[${k}].alive, child + ${k});
+% endfor
     }
     // children close up behind the survivors
     for (long j = item.stack; j < tail; j += LANES) {

@@ -27,17 +27,17 @@ __kernel void follow_stage(SCENE_ARGUMENTS, __global const double *rays, __globa
         hit_t hit;
         nearest(&scene, &p, &hit);
         contact_t c;
-        packet_t child;
-        interact(&settings, &scene, 0, 0, &ledger, &p, &hit, &c, &child);
+        packet_t child[CHILDREN];
+        interact(&settings, &scene, 0, 0, &ledger, &p, &hit, &c, child);
         real rx = p.dx, ry = p.dy, rz = p.dz;
         weight rw = 0.0;
 % if splits:
-        if (child.alive) {
+        if (child->alive) {
             if (mirrored) {
                 rx = p.dx; ry = p.dy; rz = p.dz; rw = p.w;
-                p = child;
+                p = *child;
             } else {
-                rx = child.dx; ry = child.dy; rz = child.dz; rw = child.w;
+                rx = child->dx; ry = child->dy; rz = child->dz; rw = child->w;
             }
         }
 % endif

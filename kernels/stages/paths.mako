@@ -63,8 +63,8 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         hit_t hit;
         nearest(&scene, &p, &hit);
         contact_t contact;
-        packet_t child;
-        interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, &child);
+        packet_t child[CHILDREN];
+        interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, child);
         long ending = ESCAPED;
 % if ends:
         const mask meets = hit.found;
@@ -88,12 +88,12 @@ __kernel void paths_stage(SCENE_ARGUMENTS, __global double *queue_reals, __globa
         long_of[2] = hit.found ? (long)ELEMENT_OF(hit.code) : -1L;
         long_of[5] = ending;
         long_of[6] = ${"meets" if ends else "hit.found"} ? (long)FACE_OF(hit.code) : -1L;
-% if splits:
-        if (child.alive) {
+% for k in range(children):
+        if (child[${k}].alive) {
             waiting[stack] = (long)n;
-            push_rays(&queue, &stack, child.alive, &child);
+            push_rays(&queue, &stack, child[${k}].alive, child + ${k});
         }
-% endif
+% endfor
         parent = (long)n;
         begins = 0;
         n++;

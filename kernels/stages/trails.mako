@@ -59,22 +59,22 @@ __kernel void trails_stage(SCENE_ARGUMENTS, __global double *queue_reals, __glob
         const ulong before = p.trail;
         const uint generation = p.generation;
         contact_t contact;
-        packet_t child;
-        interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, &child);
+        packet_t child[CHILDREN];
+        interact(launch, &scene, 0, 0, &ledger, &p, &hit, &contact, child);
         if (p.alive && p.generation != generation) {
             for (uint event = REFLECTED; event <= SCATTERED; event++) {
                 const ulong made = trail_step(launch, &scene, ALL_LANES, hit.code, event);
                 if (mixed_trail(before, made) == p.trail) chain[generation] = (long)made;
             }
         }
-% if splits:
-        if (child.alive) {
+% for k in range(children):
+        if (child[${k}].alive) {
             for (uint event = REFLECTED; event <= SCATTERED; event++) {
                 const ulong made = trail_step(launch, &scene, ALL_LANES, hit.code, event);
-                if (mixed_trail(before, made) == child.trail) waiting[stack] = (long)made;
+                if (mixed_trail(before, made) == child[${k}].trail) waiting[stack] = (long)made;
             }
-            push_rays(&queue, &stack, child.alive, &child);
+            push_rays(&queue, &stack, child[${k}].alive, child + ${k});
         }
-% endif
+% endfor
     }
 }

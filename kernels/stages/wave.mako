@@ -53,7 +53,7 @@ __kernel void wave(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
         if (item.records + PACKETS * LANES > launch->record_capacity) break;
 % endif
 % if splits:
-        if (item.stack + 2 * PACKETS * LANES > launch->stack_capacity) { blocked = 1; break; }
+        if (item.stack + (1 + CHILDREN) * PACKETS * LANES > launch->stack_capacity) { blocked = 1; break; }
 % endif
         hit_t hits[PACKETS];
         nearest_of(&scene, packets, PACKETS, hits);
@@ -64,11 +64,11 @@ __kernel void wave(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
             packet_t *p = packets + l;
             if (PACKETS > 1 && !ANY(p->alive)) continue;
             contact_t contact;
-            packet_t child;
-            interact(launch, &scene, &records, &item.records, &ledger, p, hits + l, &contact, &child);
-% if splits:
-            if (ANY(child.alive)) push_rays(&queue, &item.stack, child.alive, &child);
-% endif
+            packet_t child[CHILDREN];
+            interact(launch, &scene, &records, &item.records, &ledger, p, hits + l, &contact, child);
+% for k in range(children):
+            if (ANY(child[${k}].alive)) push_rays(&queue, &item.stack, child[${k}].alive, child + ${k});
+% endfor
         }
     }
     for (uint l = 0; l < PACKETS; l++) push_rays(&queue, &item.stack, packets[l].alive, packets + l);

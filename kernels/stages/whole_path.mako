@@ -34,16 +34,16 @@ __kernel void whole_path(SCENE_ARGUMENTS, QUEUE_ARGUMENTS, RECORD_ARGUMENTS) {
         if (item.records + 1 > launch->record_capacity) break;
 % endif
 % if splits:
-        if (item.stack + 2 > launch->stack_capacity) { blocked = 1; break; }
+        if (item.stack + 1 + CHILDREN > launch->stack_capacity) { blocked = 1; break; }
 % endif
         hit_t hit;
         nearest(&scene, &p, &hit);
         contact_t contact;
-        packet_t child;
-        interact(launch, &scene, &records, &item.records, &ledger, &p, &hit, &contact, &child);
-% if splits:
-        push_rays(&queue, &item.stack, child.alive, &child);
-% endif
+        packet_t child[CHILDREN];
+        interact(launch, &scene, &records, &item.records, &ledger, &p, &hit, &contact, child);
+% for k in range(children):
+        push_rays(&queue, &item.stack, child[${k}].alive, child + ${k});
+% endfor
     }
 % if splits or records:
     // stopped on its way: for want of room for children, or for what is recorded, which a ray that passes

@@ -122,7 +122,9 @@ def _blind_detectors(scene: Scene) -> Iterator[str]:
 
 def _turns(element: Element) -> bool:
     """Say whether light may leave an element in another direction than it came in."""
-    return any(s.reflects or (s.transmits and s.counts) for s in element.surfaces)
+    return any(
+        s.reflects or s.lobe is not None or (s.transmits and s.counts) for s in element.surfaces
+    )
 
 
 def _is_behind(element: Element, source: Source) -> bool:
@@ -213,10 +215,12 @@ def _surfaces(scene: Scene) -> Iterator[str]:
                 named = f"{' and '.join(faces)} of {named}"
             for text in scene.optics[surface].advice():
                 yield f"{named} {text}"
-    splitters = [e.name for e in scene.element if any(s.splits for s in e.surfaces)]
+    splitters = [e.name for e in scene.element if any(s.branches for s in e.surfaces)]
     splitters = splitters if scene.splits() else []
     reflectors = [
-        e.name for e in scene.element if any(s.reflects and not s.transmits for s in e.surfaces)
+        e.name
+        for e in scene.element
+        if any((s.reflects or s.lobe is not None) and not s.transmits for s in e.surfaces)
     ]
     run = scene.run
     growing = scene.roulette_floor() == 0.0 and run.generation_cap > _SPLITTING_CAP

@@ -3,7 +3,8 @@
 A random number in single precision is one of 2^24, so a source that sends all its rays from one
 point sends them in so many polar angles; what it sees under a part f of all directions has f 2^24
 of them. Where rays start from many points, or are scattered at many, that evens out. What does not
-is that a direction is rounded: it may be counted beside an edge of the far field's bins.
+is that a direction is rounded: it may be counted beside an edge of the far field's bins, and what
+is scattered into a narrow lobe makes a wider one.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ _ROUNDED: Final = 4.0
 def coarse_directions(scene: Scene, roundoff: float) -> Iterator[str]:
     """Give a sentence for each detector that a point source sees under too few directions.
 
-    And one for bins of the far field that are narrow beside a direction's rounding.
+    And one for bins of the far field, and for each element whose scatter is narrow beside a
+    direction's rounding.
 
     Parameters
     ----------
@@ -50,6 +52,15 @@ def coarse_directions(scene: Scene, roundoff: float) -> Iterator[str]:
                 f"far_field has bins of {narrowest:.3g} degrees, and in single precision "
                 f"directions are rounded to {math.degrees(_ROUNDED * roundoff):.1e}: what is in "
                 f"such a bin may be wrong by {min(wrong, 1.0):.1e}; run it in fp64"
+            )
+    for element in scene.element:
+        widths = [s.lobe.width for s in element.surfaces if s.lobe is not None]
+        rounded = _ROUNDED * roundoff
+        if widths and (rounded / min(widths)) ** 2 > _TOLD:
+            yield (
+                f'the scatter of "{element.name}" is {min(widths):.1e} wide, and in single '
+                f"precision directions are rounded to {rounded:.1e}: it comes out wider; run it "
+                "in fp64"
             )
     points = [source for source in scene.source if not source.draws_position]
     for element in scene.element:

@@ -22,7 +22,9 @@ def idle_importance(scene: Scene) -> Iterator[str]:
     asked = scene.importance
     if asked is None or not asked.fraction:
         return
-    scattering = [element for element in scene.element if any(s.scatters for s in element.surfaces)]
+    scattering = [
+        element for element in scene.element if any(s.scatters or s.lobe for s in element.surfaces)
+    ]
     if not scattering:
         yield (
             "importance: no surface of the scene scatters, so no ray is sent towards anything; "

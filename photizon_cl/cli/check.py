@@ -103,6 +103,9 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
         line(f"{element.name}: {element.kind}, {_describe(element)}")
         for name, surface in _surfaces(element):
             line(f"{name}: {' '.join([surface.kind, _describe(surface)]).strip()}", "    ")
+            if surface.lobe is not None:
+                line(f"scatter: {surface.lobe.kind}, {_describe(surface.lobe)}", "        ")
+                line(_derived(surface.lobe), "        ")
         line(_derived(element), "    ")
         if element.detector is not None:
             what = _describe(element.detector) or "power"

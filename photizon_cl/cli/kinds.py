@@ -50,9 +50,16 @@ def call(arguments: argparse.Namespace) -> int:
 
 def _groups() -> dict[str, Group]:
     """Return the kinds of each group, by what the group's members are called."""
-    from photizon_cl.scene.registry import DETECTORS, ELEMENTS, MEDIA, SOURCES, SURFACES
+    from photizon_cl.scene.registry import (
+        DETECTORS,
+        ELEMENTS,
+        MEDIA,
+        SCATTERS,
+        SOURCES,
+        SURFACES,
+    )
 
-    groups: tuple[Group, ...] = (SOURCES, ELEMENTS, SURFACES, DETECTORS, MEDIA)
+    groups: tuple[Group, ...] = (SOURCES, ELEMENTS, SURFACES, SCATTERS, DETECTORS, MEDIA)
     return {next(iter(group.values())).label: group for group in groups}
 
 
@@ -178,23 +185,33 @@ def _sentence(cls: type[Described]) -> str:
 def _describe(kind: str, out: Console) -> None:
     from rich.text import Text
 
+    from photizon_cl.cli.tables import paragraph
+
+    groups, effects = {**_groups(), "table": _tables()}, _effects()
+    labels = [label for label, group in groups.items() if kind in group]
+    for n, label in enumerate(labels):  # several groups may have one of a name
+        if n:
+            out.print()
+        _describe_class(kind, label, groups[label][kind], out)
+    if labels:
+        return
+    if kind.removesuffix("s") in _groups():
+        _list(out, kind.removesuffix("s"))
+        return
+    if kind not in effects:
+        raise ArgumentError(_unknown(kind, groups, effects))
+    what, costs = effects[kind]
+    out.print(Text.assemble((kind, "bold"), "  effect"))
+    for text in (what, f"costs {costs}"):
+        out.print(paragraph(text), soft_wrap=True)
+
+
+def _describe_class(kind: str, label: str, cls: type[Described], out: Console) -> None:
+    from rich.text import Text
+
     from photizon_cl.cli.tables import paragraph, print_table, table
     from photizon_cl.scene.described import parameters_of
 
-    groups, effects = {**_groups(), "table": _tables()}, _effects()
-    label = next((label for label, group in groups.items() if kind in group), None)
-    if label is None and kind.removesuffix("s") in _groups():
-        _list(out, kind.removesuffix("s"))
-        return
-    if label is None and kind not in effects:
-        raise ArgumentError(_unknown(kind, groups, effects))
-    if label is None:
-        what, costs = effects[kind]
-        out.print(Text.assemble((kind, "bold"), "  effect"))
-        for text in (what, f"costs {costs}"):
-            out.print(paragraph(text), soft_wrap=True)
-        return
-    cls = groups[label][kind]
     out.print(Text.assemble((kind, "bold"), f"  {label}"))
     for text in _prose(cls):
         out.print(paragraph(text), soft_wrap=True)

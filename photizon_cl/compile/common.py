@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Self
 if TYPE_CHECKING:
     from hostcode.program.spec import ProgramSpec
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["NOTE_WORDS", "Common", "kinds_of"]
 
@@ -82,5 +83,9 @@ def kinds_of(scene: Scene) -> tuple[str, ...]:
     """Return the kinds of a scene's objects in order: scenes of other kinds share no program."""
     return (
         *(source.kernel for source in scene.source),
-        *("/".join((e.kernel, *(s.kernel for s in e.surfaces))) for e in scene.element),
+        *("/".join((e.kernel, *map(_optics_of, e.surfaces))) for e in scene.element),
     )
+
+
+def _optics_of(surface: Surface) -> str:
+    return surface.kernel + (f"+{surface.lobe.kernel}" if surface.lobe is not None else "")

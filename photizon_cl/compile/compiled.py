@@ -176,6 +176,7 @@ def compile_scene(
     materials, draft.materials = material_table(scene, stride)
     draft.material_of = [draft.materials[element.surfaces[0]] for element in scene.element]
     surfaces = surface_kinds(kinds, draft.materials, common)
+    draft.scatters = tuple(sorted(kinds.scatters, key=lambda cls: cls.kernel))
     draft.surface_numbers = {surface.kind: surface.number for surface in surfaces}
     sources = source_kinds(scene, kinds)
     draft.element_codes = element_codes(scene, class_of, surfaces, draft.coincident)
@@ -303,9 +304,10 @@ def _kinds_in_use(scene: Scene) -> dict[str, str]:
     things: list[tuple[str, Any, str]] = [("source", s, s.name) for s in scene.source]
     for e in scene.element:
         things += [("element", e, e.name), *(("surface", s, e.name) for s in e.surfaces)]
+        things += [("scatter", s.lobe, e.name) for s in e.surfaces if s.lobe is not None]
     for group, thing, name in things:
         found.setdefault(
             f"{group}.{thing.kind}",
-            f'"{name}" is one' if group != "surface" else f'"{name}" has one',
+            f'"{name}" has one' if group in ("surface", "scatter") else f'"{name}" is one',
         )
     return found

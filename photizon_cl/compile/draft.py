@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.filters.base import Filter
     from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.scatters import Scatter
     from photizon_cl.scene.settings import RunSettings
     from photizon_cl.scene.surfaces import Surface
 
@@ -56,6 +57,8 @@ class Draft:
         Where in the material table the row of each surface begins.
     surface_numbers : dict of str to int
         Number of each surface kind, by its kernel.
+    scatters : tuple of type
+        Classes of the scatter models that are compiled in, by name.
     """
 
     scene: Scene
@@ -75,6 +78,7 @@ class Draft:
     material_of: list[int] = field(default_factory=list)
     materials: dict[Surface, int] = field(default_factory=dict)
     surface_numbers: dict[str, int] = field(default_factory=dict)
+    scatters: tuple[type[Scatter], ...] = ()
     codes: list[int] = field(default_factory=list)
     detector_numbers: list[float] = field(default_factory=list)
     edges: list[float] = field(default_factory=list)

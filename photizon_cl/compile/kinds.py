@@ -6,24 +6,25 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
+from photizon_cl.scene.registry import ELEMENTS, SCATTERS, SOURCES, SURFACES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.scatters import Scatter
     from photizon_cl.scene.sources import Source
     from photizon_cl.scene.surfaces import Surface
 
 __all__ = ["ALL_KINDS", "Kinds"]
 
-_GROUPS: Final[tuple[Mapping[str, type[Any]], ...]] = (SOURCES, ELEMENTS, SURFACES)
+_GROUPS: Final[tuple[Mapping[str, type[Any]], ...]] = (SOURCES, ELEMENTS, SURFACES, SCATTERS)
 
 ALL_KINDS: Final[Mapping[str, type[Any]]] = MappingProxyType(
     {f"{cls.label}.{kind}": cls for group in _GROUPS for kind, cls in group.items()}
 )
-"""Every kind of source, element and surface, by ``group.kind``."""
+"""Every kind of source, element, surface and scatter, by ``group.kind``."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Kinds:
 
     Parameters
     ----------
-    sources, elements, surfaces : tuple of type
+    sources, elements, surfaces, scatters : tuple of type
         The classes.
     n_elements : int
         Elements of the scene.
@@ -43,6 +44,7 @@ class Kinds:
     sources: tuple[type[Source], ...]
     elements: tuple[type[Element], ...]
     surfaces: tuple[type[Surface], ...]
+    scatters: tuple[type[Scatter], ...]
     n_elements: int
     general: bool = False
 
@@ -58,6 +60,10 @@ class Kinds:
             group("source", [type(s) for s in scene.source]),
             group("element", [type(e) for e in scene.element]),
             group("surface", [type(s) for e in scene.element for s in e.surfaces]),
+            group(
+                "scatter",
+                [type(s.lobe) for e in scene.element for s in e.surfaces if s.lobe is not None],
+            ),
             len(scene.element),
             general,
         )

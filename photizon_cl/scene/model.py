@@ -222,12 +222,12 @@ class Scene(Described):
     @property
     def splitter(self) -> Element | None:
         """The first element whose surface makes two rays of one; None where there is none."""
-        return next((e for e in self.element if any(s.splits for s in e.surfaces)), None)
+        return next((e for e in self.element if any(s.branches for s in e.surfaces)), None)
 
     @property
     def scatters(self) -> bool:
         """Whether any surface sends a ray on in a direction drawn from a density."""
-        return any(s.scatters for e in self.element for s in e.surfaces)
+        return any(s.scatters or s.lobe is not None for e in self.element for s in e.surfaces)
 
     def splits(self, run: RunSettings | None = None) -> bool:
         """Say whether rays go on as two in this scene, run so; default `self.run`."""

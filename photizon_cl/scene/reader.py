@@ -22,7 +22,8 @@ from photizon_cl.scene.elements import Element
 from photizon_cl.scene.limits import MOST_CHARACTERS
 from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.parameters import BAD
-from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
+from photizon_cl.scene.registry import ELEMENTS, SCATTERS, SOURCES, SURFACES
+from photizon_cl.scene.scatters import Scatter
 from photizon_cl.scene.sources import Source
 from photizon_cl.scene.surfaces import Surface
 
@@ -30,6 +31,7 @@ KINDS: Final[dict[type[Described], Mapping[str, type[Described]]]] = {
     Element: ELEMENTS,
     Source: SOURCES,
     Surface: SURFACES,
+    Scatter: SCATTERS,
 }
 """Classes by the kind that a table names, for each base that has kinds."""
 

@@ -26,6 +26,11 @@ from photizon_cl.scene.filters.along import Along as _Along
 from photizon_cl.scene.filters.azimuth import Azimuth as _Azimuth
 from photizon_cl.scene.filters.generation import Generation as _Generation
 from photizon_cl.scene.media.medium import Medium as _Medium
+from photizon_cl.scene.scatters.abg import AbgScatter as AbgScatter
+from photizon_cl.scene.scatters.gaussian import GaussianScatter as GaussianScatter
+from photizon_cl.scene.scatters.harvey_shack import HarveyShackScatter as HarveyShackScatter
+from photizon_cl.scene.scatters.lambertian import LambertianScatter as LambertianScatter
+from photizon_cl.scene.scatters.table import TableScatter as TableScatter
 from photizon_cl.scene.sources.collimated_disk import CollimatedDisk as CollimatedDisk
 from photizon_cl.scene.sources.cone_point import ConePoint as ConePoint
 from photizon_cl.scene.sources.cosine_point import CosinePoint as CosinePoint
@@ -45,6 +50,7 @@ from photizon_cl.scene.surfaces.mixed import Mixed as Mixed
 if TYPE_CHECKING:
     from photizon_cl.scene.elements.base import Element as _Element
     from photizon_cl.scene.filters.base import Filter as _Filter
+    from photizon_cl.scene.scatters.base import Scatter as _Scatter
     from photizon_cl.scene.sources.base import Source as _Source
     from photizon_cl.scene.surfaces.base import Surface as _Surface
 
@@ -83,6 +89,14 @@ SURFACES: Final[dict[str, type[_Surface]]] = _by_kind(
     Mixed,
 )
 
+SCATTERS: Final[dict[str, type[_Scatter]]] = _by_kind(
+    AbgScatter,
+    HarveyShackScatter,
+    GaussianScatter,
+    LambertianScatter,
+    TableScatter,
+)
+
 SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
     IsotropicPoint,
     CosinePoint,
@@ -106,7 +120,9 @@ FILTERS: Final[dict[str, type[_Filter]]] = {
     )
 }
 
+_GROUPS: Final = (SOURCES, ELEMENTS, SURFACES, SCATTERS)
+
 CLASSES: Final[dict[str, type[Described]]] = {
-    cls.__name__: cls for group in (SOURCES, ELEMENTS, SURFACES) for cls in group.values()
+    cls.__name__: cls for group in _GROUPS for cls in group.values()
 }
-"""The classes of sources, elements and surfaces by their names, which are public names."""
+"""The classes of sources, elements, surfaces and scatters by their names, which are public."""

@@ -185,8 +185,8 @@ def _row(name: str, own: CompiledScene) -> EffectUse:
     scene, settings = own.scene, own.settings
     effect = _BY_NAME.get(name)
     if effect is None:
-        has = "has one" if told.group == "surface" else "is one"
-        holder = "source" if told.group == "source" else "element"
+        has = "has one" if told.group in ("surface", "scatter") else "is one"
+        holder = {"source": "source", "scatter": "surface"}.get(told.group, "element")
         because = reason or f"no {holder} {has}"
         optional = False
         why = (

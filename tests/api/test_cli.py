@@ -18,7 +18,14 @@ from photizon_cl.compile.effects.table import EFFECT_ROWS as EFFECTS
 from photizon_cl.errors import show
 from photizon_cl.scene.described import Described, parameters_of, shown_default
 from photizon_cl.scene.presets import preset_path, presets
-from photizon_cl.scene.registry import DETECTORS, ELEMENTS, MEDIA, SOURCES, SURFACES
+from photizon_cl.scene.registry import (
+    DETECTORS,
+    ELEMENTS,
+    MEDIA,
+    SCATTERS,
+    SOURCES,
+    SURFACES,
+)
 
 RUN = ["run", "box-room", "--batches", "2", "--rays-per-batch", "1024"]
 
@@ -338,7 +345,7 @@ def test_a_scenes_advisories_stand_before_the_run(run, tmp_path):
     assert run("run", tmp_path / "dark.toml", "--batches", "2", "--json")[2] == ""
 
 
-GROUPS = (SOURCES, ELEMENTS, SURFACES, DETECTORS, MEDIA)
+GROUPS = (SOURCES, ELEMENTS, SURFACES, SCATTERS, DETECTORS, MEDIA)
 
 
 def test_kinds_lists_all_that_a_scene_can_hold(run):
@@ -366,7 +373,7 @@ def test_a_kind_is_described(label, kind, cls, run):
     status, out, err = run("kinds", kind)
     assert (status, err) == (0, "")
     assert max(map(len, out.splitlines())) <= 80
-    assert out.startswith(f"{kind}  {label}\n")
+    assert f"\n{kind}  {label}\n" in f"\n{out}"
     text = " ".join(out.split())
     head = cls.__doc__.partition("\n\n")[0].replace("`", "")
     assert " ".join(head.split()) in text

@@ -14,7 +14,18 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
-from oracles import aiming, branching, chance, contacts, gates, kernels, media, packets, trails
+from oracles import (
+    aiming,
+    branching,
+    chance,
+    contacts,
+    gates,
+    kernels,
+    media,
+    packets,
+    scattering,
+    trails,
+)
 from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, cube, matt, wall
 
@@ -48,6 +59,11 @@ def tilted_scatter() -> None:
 
 def furnace() -> None:
     gates.closed_cube(matt(), rays=4096, cap=40)
+
+
+def lobes() -> None:
+    for name in ("gaussian", "harvey-shack", "abg", "table"):
+        scattering.follows_the_bsdf(name, rays=1 << 13, angles=(80.0,))
 
 
 def roulette() -> None:
@@ -522,6 +538,37 @@ MUTANTS = (
         'weights that grow with every bounce',
         {'importance.heaviest': '16.0'},
         aiming.weights_are_bounded,
+    ),
+    Mutant("all of a lobe is above the horizon", {"scatter.horizon": "splat(9.0)"}, lobes),
+    Mutant("radii of a lobe that are uniform", {"gaussian.radius": "far * sigma * u"}, lobes),
+    Mutant("a shoulder that is too wide", {"harvey_shack.radius": "R(2.0) * r"}, lobes),
+    Mutant("all that is tried under a power is taken", {"abg.chance": "splat(1.0)"}, lobes),
+    Mutant("a table that is steps", {"table.line": "most"}, lobes),
+    Mutant(
+        "a density of a lobe without the horizon",
+        {"scatter.density": "bsdf * up"},
+        scattering.aimed_ring,
+    ),
+    Mutant(
+        "a share that is half", {"scatter.total": "R(0.5) * total"}, scattering.both_parts_go_on
+    ),
+    Mutant(
+        "the same share at every angle",
+        {"scatter.share": "R(0.2)"},
+        scattering.both_parts_go_on,
+    ),
+    Mutant(
+        "what scatters stays besides", {"scatter.stays": "whole"}, scattering.closes
+    ),
+    Mutant(
+        "what black paint scatters ends there too",
+        {"scatter.booked": "none"},
+        scattering.closes,
+    ),
+    Mutant(
+        "one of two by even chances",
+        {"scatter.chance": "LT(u, splat(0.5))"},
+        scattering.one_of_two_goes_on,
     ),
     Mutant(
         'roulette ends what was aimed',

@@ -40,6 +40,18 @@ _SURFACES: Final[dict[str, dict[str, Any]]] = {
     "clear": {"kind": "clear"},
     "mixed": {"kind": "mixed", "specular": 0.3, "diffuse": 0.5},
 }
+_LOBES: Final[dict[str, dict[str, Any]]] = {
+    "abg": {"kind": "abg", "A": 0.02, "B": 0.05, "g": 1.5},
+    "gaussian": {"kind": "gaussian", "sigma": 0.2, "tis": 0.3},
+    "harvey-shack": {"kind": "harvey-shack", "b0": 1.0, "L": 0.1, "S": -1.5},
+    "lambertian": {"kind": "lambertian", "tis": 0.2},
+    "table": {"kind": "table", "delta": [0.1, 0.5, 1.0], "bsdf_per_sr": [0.3, 0.1, 0.02]},
+}
+for _surface, _lobe in (
+    ("mirror", "abg"), ("mirror", "gaussian"), ("glass", "harvey-shack"), ("dyed", "lambertian"),
+    ("black", "table"),
+):  # fmt: skip
+    _SURFACES[f"{_surface}, {_lobe}"] = {**_SURFACES[_surface], "scatter": _LOBES[_lobe]}
 
 
 def every_kind() -> dict[str, Any]:
@@ -50,24 +62,27 @@ def every_kind() -> dict[str, Any]:
     elements = [
         ("+x", "-x", "black", {"kind": "rectangle", "half_width": 0.4, "half_height": 0.3},
          {"map": [3, 2], "generations": 4}),
-        ("-x", "+x", "mirror", {"kind": "disk", "radius": 0.4, "inner_radius": 0.1}, None),
-        ("+y", "-y", "mirror", {"kind": "cpc", "exit_radius": 0.1, "acceptance_deg": 40.0}, None),
+        ("-x", "+x", "mirror, abg", {"kind": "disk", "radius": 0.4, "inner_radius": 0.1}, None),
+        ("+y", "-y", "mirror, gaussian",
+         {"kind": "cpc", "exit_radius": 0.1, "acceptance_deg": 40.0}, None),
         ("-y", "-y", "matt", {"kind": "baffled-tube", "half_width": 0.3, "length": 0.5,
                               "baffles": 1, "clear_half_width": 0.1}, None),
         ("+z", "+z", "glass", {"kind": "plano-convex", "curvature_radius": 0.6,
                                "aperture_radius": 0.4}, None),
-        ("-z", "-z", "dyed", {"kind": "biconvex", "front_radius": 0.6, "back_radius": 0.8,
-                               "aperture_radius": 0.4}, None),
+        ("-z", "-z", "dyed, lambertian",
+         {"kind": "biconvex", "front_radius": 0.6, "back_radius": 0.8, "aperture_radius": 0.4},
+         None),
         ("+x+y", "+z", "black", {"kind": "cylinder", "radius": 0.3, "length": 0.4},
          {"map": [4, 3], "side": "outside"}),
         ("-x+y", "+z", "mixed", {"kind": "cone", "entrance_radius": 0.1, "exit_radius": 0.4,
                                  "length": 0.4}, None),
         ("+x-y", "+z", "clear", {"kind": "conic", "curvature_radius": 0.4, "conic_constant": -1.0,
                                  "aperture_radius": 0.4}, {"generations": 3}),
-        ("-x-y", "+z", "matt", {"kind": "disk", "radius": 0.3, "tilt_deg": [20.0, 70.0]}, None),
-        ("+x+z", "+x", "glass", {"kind": "lens", "front_radius": -0.6, "back_radius": 0.8,
-                                 "back_conic": -2.0, "thickness": 0.2, "aperture_radius": 0.3},
-         None),
+        ("-x-y", "+z", "black, table",
+         {"kind": "disk", "radius": 0.3, "tilt_deg": [20.0, 70.0]}, None),
+        ("+x+z", "+x", "glass, harvey-shack",
+         {"kind": "lens", "front_radius": -0.6, "back_radius": 0.8, "back_conic": -2.0,
+          "thickness": 0.2, "aperture_radius": 0.3}, None),
         ("", "+z", "matt", {"kind": "sphere", "radius": 2.0, "port_fraction": 0.2}, None),
     ]  # fmt: skip
     sources: list[dict[str, Any]] = [
@@ -155,6 +170,7 @@ MORE: Final[dict[str, Case]] = {
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
         "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
+        "scattering-mirror",
     )},
 }  # fmt: skip
 """What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its

@@ -18,7 +18,7 @@ import pytest
 from oracles import watched
 
 from photizon_cl.scene.presets import preset_names
-from photizon_cl.scene.registry import ELEMENTS, FILTERS, SOURCES, SURFACES
+from photizon_cl.scene.registry import ELEMENTS, FILTERS, SCATTERS, SOURCES, SURFACES
 
 ROOT = Path(__file__).resolve().parents[2]
 PYTHONPATH = os.pathsep.join((str(ROOT / "tests"), str(ROOT)))
@@ -73,6 +73,8 @@ def test_the_scene_has_every_kind():
     assert kinds(scene["element"]) == set(ELEMENTS)
     assert kinds(scene["source"]) == set(SOURCES)
     assert kinds(row["surface"] for row in scene["element"]) == set(SURFACES)
+    lobes = [row["surface"].get("scatter") for row in scene["element"]]
+    assert kinds(lobe for lobe in lobes if lobe) == set(SCATTERS)
     made = watched.compiled(watched.load(scene))
     stems = {stem for form in made.tables.spec.forms for stem, _ in form.filters}
     assert stems == set(FILTERS)

@@ -50,3 +50,14 @@ def test_bins_narrow_beside_a_directions_rounding_are_told():
         texts = [t for t in pz.advisories(made, "fp32") if "far_field has bins of 0.01" in t]
         assert bool(texts) == told
         assert not pz.advisories(made, "fp64")
+
+
+def test_a_lobe_narrow_beside_a_directions_rounding_is_told():
+    lamp = pz.IsotropicPoint(name="lamp", position=[0, 0, 1], flux=1.0)
+    for sigma, told in ((1e-5, True), (1e-3, False)):
+        paint = pz.Absorber(pz.GaussianScatter(sigma=sigma, tis=0.1))
+        disk = pz.Disk(name="disk", position=[0, 0, 0], axis="+z", radius=1.0, surface=paint)
+        made = pz.Scene(name="s", source=[lamp], element=[disk])
+        texts = [t for t in pz.advisories(made, "mixed") if 'the scatter of "disk" is' in t]
+        assert bool(texts) == told
+        assert not pz.advisories(made, "fp64")

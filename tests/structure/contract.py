@@ -20,7 +20,7 @@ from photizon_cl.errors import SceneError
 from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.files import load
 from photizon_cl.scene.presets import preset_names
-from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
+from photizon_cl.scene.registry import ELEMENTS, SCATTERS, SOURCES, SURFACES
 
 if TYPE_CHECKING:
     from oracles.engine import Traced
@@ -30,7 +30,7 @@ sys.path.insert(0, str(ROOT / "docs" / "_ext"))
 
 from photizon_docs.examples import example, guess  # noqa: E402
 
-GROUPS = {"element": ELEMENTS, "surface": SURFACES, "source": SOURCES}
+GROUPS = {"element": ELEMENTS, "surface": SURFACES, "source": SOURCES, "scatter": SCATTERS}
 ROWS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]
 every_kind = pytest.mark.parametrize(("group", "kind"), ROWS, ids=[f"{g}-{k}" for g, k in ROWS])
 every_effect = pytest.mark.parametrize("effect", EFFECTS, ids=[e.name for e in EFFECTS])
@@ -48,6 +48,7 @@ def of_kind(scene: pz.Scene, group: str, kind: str) -> Any:
     things = {
         "element": scene.element, "source": scene.source,
         "surface": [e.surface for e in scene.element],
+        "scatter": [e.surface.lobe for e in scene.element if e.surface.lobe is not None],
     }[group]  # fmt: skip
     return next(thing for thing in things if thing.kind == kind)
 
@@ -117,6 +118,11 @@ def everything() -> pz.Scene:
     kind = next(kind for kind in SURFACES if SURFACES[kind].refracts)
     body = next(made for shape in shapes if (made := with_surface(shape, kind)) and not shape.flat)
     elements.append(replace(body, surface=SURFACES[kind](medium="glass")))
+    # what scatters, on every surface that takes a lobe in turn
+    takers = [kind for kind in SURFACES if "scatter" in parameters_of(SURFACES[kind])]
+    for n, cls in enumerate(SCATTERS.values()):
+        optics = replace(surface(takers[n % len(takers)]), scatter=cls(**guess(cls)))
+        elements.append(replace(flat, detector=None, surface=optics))
     step = 2.2 * max(shape.reach for shape in shapes)
     side = range(-1, 2)
     places = sorted(itertools.product(side, side, side), key=lambda p: sum(map(abs, p)))

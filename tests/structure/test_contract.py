@@ -37,6 +37,7 @@ from photizon_cl.compile.effects.table import EFFECT_ROWS, EFFECTS
 from photizon_cl.compile.packing import POSITION, SOURCE
 from photizon_cl.geometry.outlines import cut, edges, facets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SURFACES
+from photizon_cl.scene.scatters.base import HEAD
 
 UNIT_ROUNDOFF = 2.0**-53
 
@@ -47,8 +48,12 @@ def test_rows_stand_in_the_tables_under_their_names(group, kind):
     thing, made = of_kind(scene, group, kind), compiled(scene)
     spec, tables = made.tables.spec, made.tables
     places = dict(spec.columns)
-    first = {"element": len(POSITION), "surface": 0, "source": len(SOURCE)}[group]
+    first = {
+        "element": len(POSITION), "surface": 0, "source": len(SOURCE), "scatter": 0
+    }[group]  # fmt: skip
     constants = thing.row.constants(first)
+    if group == "scatter":  # its columns are an effect's own
+        places = dict(entry for part in spec.parts for entry in part.parameters)
     assert constants.items() <= places.items()
     if group == "element":
         at = scene.element.index(thing)
@@ -58,6 +63,11 @@ def test_rows_stand_in_the_tables_under_their_names(group, kind):
             np.subtract(thing.position, made.shift), thing.position, strict=True
         ))  # fmt: skip
         packed = thing.packed(far, cls.axis, (1.0,) * 4)
+    elif group == "scatter":
+        at = next(n for n, e in enumerate(scene.element) if e.surface.lobe is thing)
+        head = int(tables.codes[tables.launch["scatter"] + at]) >> 1
+        row = tables.geometry[tables.codes[head + HEAD.constants(0)["SCATTER_ROW"]] :]
+        packed = thing.packed()
     elif group == "source":
         row = tables.sources[scene.source.index(thing) * spec.strides.source :]
         packed = thing.packed()

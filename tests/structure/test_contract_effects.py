@@ -64,8 +64,12 @@ def test_each_kind_has_its_part_in_that_scene(group, kind):
         return
     met = followed()
     things = everything().element
-    wanted = {n for n, e in enumerate(things)
-              if kind == (e.kind if group == "element" else e.surface.kind)}  # fmt: skip
+    of = {
+        "element": lambda e: e.kind,
+        "surface": lambda e: e.surface.kind,
+        "scatter": lambda e: e.surface.lobe.kind if e.surface.lobe is not None else "",
+    }[group]
+    wanted = {n for n, e in enumerate(things) if kind == of(e)}
     assert wanted & set(met.element.tolist())
 
 

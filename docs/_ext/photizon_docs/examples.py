@@ -305,6 +305,9 @@ def _by_itself(
     if group == "surface":
         plate = {**_MIRROR_45, "surface": {"kind": kind, **values}}
         return [_BEAM], [plate, _SCREEN], {}
+    if group == "scatter":
+        surface = {"kind": "mirror", "reflectance": 0.95, "scatter": {"kind": kind, **values}}
+        return [_BEAM], [{**_MIRROR_45, "surface": surface}, _SCREEN], {}
     if group == "element":
         surface = {"kind": "lambertian", "reflectance": 0.5}
         return [_LAMP], [{**values, "name": "thing", "kind": kind, "surface": surface}], {}

@@ -31,6 +31,7 @@ _INTRO = {
     "surface": "What a ray that hits an element does.",
     "source": "Where rays start. Sources do not block light.",
     "detector": "What is counted of what arrives at an element.",
+    "scatter": "What a surface sends aside of its specular rays: see [scatter](/scatter.md).",
 }
 
 
@@ -61,6 +62,8 @@ def page(group: str, kind: str, cls: type[Described]) -> tuple[str, Scene]:
         lines += [_start(cls)]
     elif group == "surface":
         lines += [_taken_by(item)]
+    elif group == "scatter":
+        lines += [_on_surfaces(item)]
     else:
         lines += [_carried_by()]
     lines += [_example(kind, scene), _quantities(cls, item), _device(group, cls)]
@@ -69,6 +72,7 @@ def page(group: str, kind: str, cls: type[Described]) -> tuple[str, Scene]:
 
 def _shown(group: str, cls: type[Described], scene: Scene) -> Any:
     pool: list[Any] = [*scene.source, *scene.element]
+    pool += [e.surface.lobe for e in scene.element]
     pool += [e.surface for e in scene.element] + [e.detector for e in scene.element if e.detector]
     return next(item for item in pool if type(item) is cls)
 
@@ -168,7 +172,7 @@ def _with(bare: Any, item: Any, name: str) -> Any:
 
 def _refusal(item: Any, change: dict[str, Any]) -> str:
     try:
-        replace(item, **{"detector": None, **change})
+        replace(item, **({"detector": None, **change} if isinstance(item, Element) else change))
     except SceneError as error:
         return error.problems[0].hint or error.problems[0].expected
     return ""
@@ -203,6 +207,15 @@ def _taken_by(surface: Any) -> str:
     )
     splits = " A ray that hits it goes on as two." if surface.splits else ""
     return f"## Where it goes\n\n{table(('element', 'taken?'), rows)}\n{detector}{splits}\n"
+
+
+def _on_surfaces(lobe: Any) -> str:
+    rows = []
+    for kind, cls in GROUPS["surface"].items():
+        takes = "scatter" in parameters_of(cls)
+        why = _refusal(cls(**guess(cls)), {"scatter": lobe}) if takes else "it has no `scatter`"
+        rows.append((link("surface", kind), f"no: {why}" if why else "yes"))
+    return f"## Where it goes\n\n{table(('surface', 'taken?'), rows)}\n"
 
 
 def _detecting(surface: Any) -> dict[str, Any]:
@@ -251,7 +264,8 @@ def _quantities(cls: type[Any], item: Any) -> str:
 _INNER = frozenset(
     {
         "class_axis", "local_box", "ported", "half_sizes", "reach", "faces", "sole_face", "outline",
-        "hole", "face", "draws_position", "self_view_factor", "diffuse_reflectance",
+        "hole", "face", "draws_position", "self_view_factor", "diffuse_reflectance", "lobe",
+        "branches", "scattered", "width", "kinks", "sharpness", "falls", "nodes", "pieces",
     }
 )  # fmt: skip
 

@@ -22,7 +22,7 @@ from photizon_cl.scene.importance import Importance
 from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import presets
-from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SOURCES, SURFACES
+from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import DirectedSource
 
@@ -38,6 +38,7 @@ GROUPS: dict[str, Mapping[str, type[Described]]] = {
     "surface": SURFACES,
     "source": SOURCES,
     "detector": DETECTORS,
+    "scatter": SCATTERS,
 }
 """The registry: name of a group → its kinds."""
 

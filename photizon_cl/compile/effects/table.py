@@ -18,6 +18,7 @@ from photizon_cl.compile.effects.media import Media
 from photizon_cl.compile.effects.opening import Opening
 from photizon_cl.compile.effects.path_table import PathTable
 from photizon_cl.compile.effects.roulette import Roulette
+from photizon_cl.compile.effects.scatter import Scatter
 from photizon_cl.compile.effects.shares import Shares
 from photizon_cl.compile.effects.splitting import Splitting
 from photizon_cl.compile.effects.tallies import Ladder, Map
@@ -45,6 +46,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     PathTable(),
     Media(),
     Importance(),
+    Scatter(),
     Detector(),
     Map(),
     Ladder(),

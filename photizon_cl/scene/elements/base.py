@@ -141,6 +141,13 @@ class Element(Described):
                     f"{' or '.join(_counting())}",
                 )
             )
+        scatters = surface is not None and surface.get("scatter") is not None
+        if optics.carries_detector and scatters:
+            hint = (
+                "a detector counts what ends on a surface, and this one sends a part of it on; put "
+                "a surface that light passes before it"
+            )
+            problems.append(Problem("detector", "a detector", "none beside a scatter", hint=hint))
         for name in own_surfaces(cls):
             own = known.get(name)
             if own is not None and own.kind and not own.cls.carries_detector:
@@ -150,6 +157,10 @@ class Element(Described):
                 )
                 expected = f"no {own.kind} surface beside a detector"
                 problems.append(Problem(f"{name}.kind", show(own.kind), expected, hint=hint))
+            elif own is not None and own.get("scatter") is not None:
+                hint = "a detector counts what ends, and this face sends a part of it on"
+                expected = "none beside a detector"
+                problems.append(Problem(f"{name}.scatter", "a scatter", expected, hint=hint))
         side, sides = detector.get("side"), FLAT_SIDES if cls.flat else CURVED_SIDES
         if side is not None and side not in sides:
             body = "flat: its front is the side that its normal points to" if cls.flat else "curved"

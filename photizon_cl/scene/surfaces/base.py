@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from photizon_cl.scene.described import Described
+from photizon_cl.scene.described import Described, Nested
+from photizon_cl.scene.parameters import declare
 from photizon_cl.scene.rows import NO_ROW, Row
+from photizon_cl.scene.scatters import Scatter
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from photizon_cl.scene.parameters import Parameter
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,21 @@ class Surface(Described):
         return {}
 
     @property
+    def lobe(self) -> Scatter | None:
+        """What it scatters about its specular rays, or where they would be; None where nothing."""
+        return getattr(self, "scatter", None)
+
+    @property
+    def scattered(self) -> dict[str, tuple[float, str]]:
+        """Derived quantities of what it scatters."""
+        return self.lobe.derived() if self.lobe is not None else {}
+
+    @property
+    def branches(self) -> bool:
+        """Whether a ray may go on as two: since it splits, or a part of it scatters."""
+        return self.splits or (self.lobe is not None and (self.reflects or self.transmits))
+
+    @property
     def diffuse_reflectance(self) -> float | None:
         """Part of the power that leaves it with equal radiance everywhere, where all else ends."""
         return None
@@ -88,3 +107,8 @@ class Surface(Described):
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return derived quantities: name → (value, unit)."""
         return {}
+
+
+def scattering(meaning: str) -> dict[str, Parameter]:
+    """Declare what a surface scatters about its specular rays."""
+    return declare(Nested(Scatter, "the", meaning=meaning))

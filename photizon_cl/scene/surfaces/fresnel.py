@@ -12,12 +12,14 @@ from photizon_cl.scene.described import REQUIRED, parameters_of
 from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import refractive_index
 from photizon_cl.scene.rows import Row
-from photizon_cl.scene.surfaces.base import Surface
+from photizon_cl.scene.scatters.base import scatter_problems
+from photizon_cl.scene.surfaces.base import Surface, scattering
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from photizon_cl.scene.described import Known
+    from photizon_cl.scene.scatters import Scatter
 
 _BY_INDEX = ("index", "index_outside")
 _BY_NAME = ("medium", "medium_outside")
@@ -32,6 +34,7 @@ class Fresnel(Surface):
     the reflected child keeps everything. Nothing is absorbed and no draw is made. The side that a
     ray comes from says which index it is in. Instead of two indices it takes the names of two
     media: rays then carry the medium that they are in, and lose weight on their way through it.
+    With a `scatter` TIS(θ) of each child's weight is scattered about that child's direction.
 
     Parameters
     ----------
@@ -43,6 +46,8 @@ class Fresnel(Surface):
         Instead: name of the medium behind a flat element's normal, and inside a solid.
     medium_outside : str, optional
         Name of the medium on the side that the normal points to, "vacuum" by default.
+    scatter : Scatter, optional
+        What of each child is scattered: dust, polishing marks.
 
     Notes
     -----
@@ -93,6 +98,10 @@ class Fresnel(Surface):
         metadata=medium_name("instead of index_outside: what is on the normal's side"),
     )
 
+    scatter: Scatter | None = field(
+        default=None, metadata=scattering("what of each child is scattered")
+    )
+
     def __post_init__(self) -> None:
         """Check every value; outside is the vacuum where nothing is said."""
         super().__post_init__()
@@ -104,6 +113,11 @@ class Fresnel(Surface):
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
         """See that the inside is given, and by an index or a medium, as is the outside."""
+        problems = scatter_problems(known, 1.0, "1", "more of a child would scatter than there is")
+        return cls._sides_checked(known) + problems
+
+    @classmethod
+    def _sides_checked(cls, known: Known) -> list[Problem]:
         by_index, by_name = (
             [item for item in items if item not in known.values or known.get(item) is not None]
             for items in (_BY_INDEX, _BY_NAME)
@@ -137,7 +151,7 @@ class Fresnel(Surface):
         if self.media is None:
             return self
         inside, outside = (index_of[name] for name in self.media)
-        return Fresnel(inside, outside)
+        return Fresnel(inside, outside, scatter=self.scatter)
 
     def packed(self) -> dict[str, float]:
         """Return m = n₁/n₂ and 1 − m² from the + side, and from the − side.
@@ -189,10 +203,10 @@ class Fresnel(Surface):
         return ["has the same index on both sides: it reflects nothing and bends nothing"]
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the reflectance at normal incidence and the critical angle, given indices."""
+        """Return reflectance at normal incidence, critical angle, given indices; what scatters."""
         if self.indices is None:
-            return {}
+            return self.scattered
         out = {"reflectance at normal incidence": (self.normal_reflectance, "")}
         if self.critical_angle_deg is not None:
             out["critical angle in the denser medium"] = (self.critical_angle_deg, "deg")
-        return out
+        return out | self.scattered
