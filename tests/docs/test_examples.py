@@ -9,8 +9,8 @@ import pytest
 from pages import ROOT, Runner, apply_hunks, matches
 from photizon_docs.tables import GROUPS
 
-# Three programs of two of the largest scenes: what they show, other tests do as well.
-SLOW = ("reverse-traces.md",)
+# Programs of the largest scenes: what they show, other tests do as well.
+SLOW = ("reverse-traces.md", "scatter.md")
 WRITTEN = sorted(p.name for p in (ROOT / "docs").glob("*.md") if p.name != "add-a-kind.md")
 KINDS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]
 

@@ -45,8 +45,14 @@ FOUND = {
     ),
 }  # fmt: skip
 
+BRIEFLY = ("lens on lens", "conic lens on disk")
 
-@pytest.mark.parametrize("name", FOUND)
+
+@pytest.mark.parametrize(
+    "name",
+    # one of a pair of refracting faces, one of conics: the others are programs of their own
+    [n if n in BRIEFLY else pytest.param(n, marks=pytest.mark.slow) for n in FOUND],
+)
 def test_an_axial_beam_passes_a_film(name):
     """Of four faces, or two before a black one: the order of the file is nothing to it."""
     one, other = FOUND[name]

@@ -656,6 +656,9 @@ BUILDS_LONG = (
     "scatter with cosine and sine swapped (the same law from another draw)",
     "what roulette adds is not booked",
     "chord of a sphere too short",
+    "what scatters stays besides",
+    "what black paint scatters ends there too",
+    "a density of a lobe without the horizon",
 )
 """Mutants that are slow whatever else their gates catch: many programs, or long runs."""
 

@@ -87,7 +87,7 @@ def busy(**run):
     "changes",
     [
         {"lanes": 8},
-        {"composition": "classical", "lanes": 1},
+        pytest.param({"composition": "classical", "lanes": 1}, marks=pytest.mark.slow),
         {"composition": "whole-path", "lanes": 1, "stack_rays": 1},
         pytest.param({"lanes": 16, "interleaved": True}, marks=pytest.mark.slow),
         pytest.param({"composition": "classical", "lanes": 8}, marks=pytest.mark.slow),

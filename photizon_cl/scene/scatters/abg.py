@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.scatters.total import Array
+
+
+_WIDEST: Final = 1e18
+"""Half-width from which on it is told no more: single precision holds it, and its square."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,7 @@ class AbgScatter(Scatter):
         ("height", "1/sr", "A/B"),
         ("half", "", "B^(1/g), Δ of half the height"),
         ("slope", "", "g"),
+        ("fall", "", "1/B where that is no more than 1"),
     )
     sample: ClassVar[Mapping[str, object]] = MappingProxyType({"A": 1e-3, "B": 1e-2, "g": 2.0})
 
@@ -93,4 +98,9 @@ class AbgScatter(Scatter):
 
     def packed(self) -> dict[str, float]:
         """Return height, half-width and slope."""
-        return {"height": self.A / self.B, "half": self.width, "slope": self.g}
+        return {
+            "height": self.A / self.B,
+            "half": min(self.width, _WIDEST),
+            "slope": self.g,
+            "fall": 1.0 / max(self.B, 1.0),
+        }

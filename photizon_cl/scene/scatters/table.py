@@ -42,7 +42,7 @@ class TableScatter(Scatter):
     ----------
     delta : sequence of float
         Δ of the nodes, 1 to 128 of them, ascending from 0 to 2 and at least 1e-7 apart.
-    bsdf : sequence of float
+    bsdf_per_sr : sequence of float
         BSDF in 1/sr at each, not negative.
     """
 

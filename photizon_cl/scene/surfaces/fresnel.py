@@ -198,7 +198,7 @@ class Fresnel(Surface):
     def advice(self) -> list[str]:
         """Say where it is no border."""
         inside, outside = self._pair
-        if inside != outside:
+        if inside != outside or self.scatter is not None:
             return []
         return ["has the same index on both sides: it reflects nothing and bends nothing"]
 
