@@ -39,11 +39,22 @@ FN lint medium_behind(const launch_t *launch, const scene_t *scene, const packet
 // nothing is left ends on its way.
 FN void absorb(const launch_t *launch, const scene_t *scene, ledger_t *ledger, packet_t *p, const hit_t *h) {
     __global const double *table = scene->geometry + launch->absorption;
-% if lanes == 1:
-    const wide alpha = table[p->medium];
+<%
+    degree = counts.get("band_degree", 0)
+    places = ["place"] if lanes == 1 else [lane("place", l) for l in range(lanes)]
+    number = lambda k: "(wide)(" + ", ".join(f"table[{place} + {k}]" for place in places) + ")"
+%>
+% if degree:
+    const lint place = (p->medium * (long)launch->pieces + p->piece) * ${degree + 1}L;
+% elif "line" in ray_long:
+    const lint place = ${point("media.line", "p->medium * (long)launch->lines + p->line")};
 % else:
-    const wide alpha = (wide)(${", ".join(f"table[{lane('p->medium', l)}]" for l in range(lanes))});
+    const lint place = p->medium;
 % endif
+    ${"const " if not degree else ""}wide alpha = ${number(degree)};
+% for k in range(degree - 1, -1, -1):
+    alpha = fma(alpha, TO_WIDE(p->along), ${number(k)});
+% endfor
     const mask m = p->alive & IGT(alpha, (wide)(0.0));
     if (!ANY(m)) return;
     const wide s = ${point("media.length", "TO_WIDE(h->t)")};

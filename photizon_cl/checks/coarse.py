@@ -70,7 +70,7 @@ def coarse(scene: Scene, roundoff: float = ROUNDOFF) -> Iterator[str]:
     grid = _Grid(scene, roundoff)
     yield from _limited((_element(e, grid) for e in scene.element), "elements")
     yield from _limited((_source(s, grid) for s in scene.source), "sources")
-    absorption = {m.name: m.absorption_per_m for m in scene.medium if m.absorption_per_m}
+    absorption = {m.name: m.most_absorption for m in scene.medium if m.absorbs}
     yield from _limited((_border(e, absorption, grid) for e in scene.element), "elements")
 
 

@@ -21,6 +21,7 @@ _NAMES: Final = (
     "baffled-telescope",
     "absorbing-cuvette",
     "aspheric-condenser",
+    "dispersing-prism",
 )
 
 _ANCHOR: Final = "Anchor:"

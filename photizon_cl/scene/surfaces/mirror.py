@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from photizon_cl.scene.parameters import fraction
+from photizon_cl.scene.curves import Curve, fraction_or_curve, number_of
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces.base import Surface
 
@@ -19,8 +19,8 @@ class Mirror(Surface):
 
     Parameters
     ----------
-    reflectance : float
-        ρ in [0, 1].
+    reflectance : float or Curve
+        ρ in [0, 1]; a table over wavelength in a scene that has a spectrum.
     """
 
     kind: ClassVar[str] = "mirror"
@@ -33,19 +33,21 @@ class Mirror(Surface):
     colour: ClassVar[str] = "#0072b2"
     label_text: ClassVar[str] = "mirror"
 
-    reflectance: float = field(
-        metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
+    reflectance: float | Curve = field(
+        metadata=fraction_or_curve(
+            "part of the power that is reflected", "the rest, 1 − ρ, is absorbed"
+        )
     )
 
     def packed(self) -> dict[str, float]:
         """Return the reflectance."""
-        return {"reflectance": self.reflectance}
+        return {"reflectance": number_of(self.reflectance)}
 
     @property
-    def absorptance(self) -> float:
-        """Part of each arrival that the element absorbs, 1 − ρ."""
-        return 1.0 - self.reflectance
+    def absorptance(self) -> float | None:
+        """Part of each arrival that the element absorbs, 1 − ρ; None where that is a table."""
+        return None if isinstance(self.reflectance, Curve) else 1.0 - self.reflectance
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the absorptance."""
-        return {"absorptance": (self.absorptance, "")}
+        """Return the absorptance, where it is a number."""
+        return {} if self.absorptance is None else {"absorptance": (self.absorptance, "")}
