@@ -90,6 +90,13 @@ def test_it_is_shown(result, tmp_path, capsys):
     power, emitted = result.detectors["element 3"].power, result.ledger.emitted
     wanted = np.divide(power.by_wavelength, emitted.by_wavelength)
     assert drawn.get_ydata() == pytest.approx(wanted)
+    figure = pz.figures.irradiance(result, "element 3", line=1)
+    mesh = next(c for c in figure.axes[0].collections if c.get_label() == "values")
+    one = result.detectors["element 3"].map.by_wavelength[1]
+    assert np.ma.compressed(mesh.get_array()).tolist() == one.irradiance[~one.hatched].tolist()
+    for wrong in (4, -1, "red"):
+        with pytest.raises(pz.ArgumentError, match="a number from 0 to 3"):
+            pz.figures.irradiance(result, "element 3", line=wrong)
     result.scene.save(tmp_path / "lines.toml")
     capsys.readouterr()
     assert main(["check", str(tmp_path / "lines.toml"), "--no-pilot"]) == 0
