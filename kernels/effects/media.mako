@@ -41,15 +41,14 @@ FN void absorb(const launch_t *launch, const scene_t *scene, ledger_t *ledger, p
     __global const double *table = scene->geometry + launch->absorption;
 <%
     degree = counts.get("band_degree", 0)
-    places = ["place"] if lanes == 1 else [lane("place", l) for l in range(lanes)]
-    number = lambda k: "(wide)(" + ", ".join(f"table[{place} + {k}]" for place in places) + ")"
+    places = [lane("place" if "line" in ray_long else "p->medium", l) for l in range(lanes)]
+    numbers = lambda k: ["table[" + place + (f" + {k}" if degree else "") + "]" for place in places]
+    number = lambda k: numbers(k)[0] if len(places) == 1 else "(wide)(" + ", ".join(numbers(k)) + ")"
 %>
 % if degree:
     const lint place = (p->medium * (long)launch->pieces + p->piece) * ${degree + 1}L;
 % elif "line" in ray_long:
     const lint place = ${point("media.line", "p->medium * (long)launch->lines + p->line")};
-% else:
-    const lint place = p->medium;
 % endif
     ${"const " if not degree else ""}wide alpha = ${number(degree)};
 % for k in range(degree - 1, -1, -1):
