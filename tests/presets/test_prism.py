@@ -8,6 +8,8 @@ from oracles.spectra import index_of_bk7
 
 import photizon_cl as pz
 
+pytestmark = pytest.mark.usefixtures("one_lane")
+
 
 def through(nm: float) -> tuple[float, float]:
     """Return by how much a line is turned, in degrees, and which part of it comes through."""

@@ -153,6 +153,7 @@ def test_what_comes_out_has_the_edges(tmp_path):
     assert math.isclose(sum(whole.ledger.emitted.by_wavelength), 3.5)
 
 
+@pytest.mark.slow
 def test_other_precisions():
     scene = spectra.tables_scene().replace(
         {"spectrum.edges_nm": [400.0, 450.0, 500.0, 550.0, 660.0]}

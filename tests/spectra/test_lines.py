@@ -32,6 +32,7 @@ def test_a_source_shares_its_power_among_lines():
     assert rays[1] > rays[0] == rays[2]
 
 
+@pytest.mark.slow  # of bands, whose kernels have all of it, it is asked always
 def test_lanes_and_compositions_change_no_bit():
     made = compiled(spectra.tables_scene(), rays_per_batch=64)
     base = trace_compiled(made, batches=2).digest
