@@ -225,21 +225,21 @@ class NumberOrCurve(Number):
         self.base, self._form = base, form
 
     @property
-    def form(self) -> str:
-        """What is accepted besides a number."""
-        return self._form
+    def expected(self) -> str:  # noqa: D102
+        return f"{self._expected}, or {self._form}"
+
+    def refuse(self, value: object, path: str, problems: list[Problem], hint: str = "") -> Any:
+        """Add the problem of a refused value and return `BAD`: of a number, what numbers may be."""
+        expected = self._expected if isinstance(value, int | float) else self.expected
+        problems.append(Problem(path, show(value), expected, hint=hint))
+        return BAD
 
     def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
         if isinstance(value, self.base):
             return value
         if isinstance(value, Mapping):
             return read_whole(self.base, value, path, problems, "a table over wavelength")
-        read = super().read(value, path, problems)
-        if read is BAD and not isinstance(value, int | float):
-            problem = problems.pop()
-            expected = f"{problem.expected}, or {self._form}"
-            problems.append(Problem(path, problem.found, expected, hint=problem.hint))
-        return read
+        return super().read(value, path, problems)
 
 
 def fraction_or_curve(meaning: str, hint: str = "") -> dict[str, Parameter]:
