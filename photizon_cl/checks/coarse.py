@@ -68,10 +68,12 @@ def coarse(scene: Scene, roundoff: float = ROUNDOFF) -> Iterator[str]:
         Unit roundoff of the coordinates that the kernels compute in.
     """
     grid = _Grid(scene, roundoff)
-    yield from _limited((_element(e, grid) for e in scene.element), "elements")
-    yield from _limited((_source(s, grid) for s in scene.source), "sources")
+    small = "are as small beside their distances"
+    yield from _limited((_element(e, grid) for e in scene.element), f"elements {small}")
+    yield from _limited((_source(s, grid) for s in scene.source), f"sources {small}")
     absorption = {m.name: m.absorption_per_m for m in scene.medium if m.absorption_per_m}
-    yield from _limited((_border(e, absorption, grid) for e in scene.element), "elements")
+    borders = (_border(e, absorption, grid) for e in scene.element)
+    yield from _limited(borders, "elements are such borders")
 
 
 def lost(scene: Scene, roundoff: float) -> str:
@@ -194,7 +196,7 @@ def _limited(found: Iterable[str | None], what: str) -> Iterator[str]:
     texts = [text for text in found if text is not None]
     yield from texts[:_NAMED]
     if len(texts) > _NAMED:
-        yield f"{len(texts) - _NAMED} more {what} are as small beside their distances"
+        yield f"{len(texts) - _NAMED} more {what}"
 
 
 def _element(element: Element, grid: _Grid) -> str | None:

@@ -44,7 +44,7 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
     glass = np.array([any(s.refracts for s in e.surfaces) for e in elements], bool)
     covered = np.zeros(len(elements), bool)
     told: set[tuple[int, int]] = set()
-    looked = 0
+    looked = cemented = 0
 
     def wanted(i: Any, j: Any) -> Any:
         return counts[i] & counts[j] & (glass[i] | glass[j] | ~covered[j])
@@ -56,7 +56,11 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
         one, other = elements[i], elements[j]
         at, there = one.surface_of(pair.first_face), other.surface_of(pair.second_face)
         if not (at.counts and there.counts):
-            yield from _cement(pair, one, other)
+            unequal = _cement(pair, one, other)
+            if unequal:
+                cemented += 1
+                if cemented <= _NAMED:
+                    yield unequal
             continue
         if not (at.refracts or there.refracts):
             text = None if pair.point else _covered(planes, pair, one, other)
@@ -77,6 +81,8 @@ def coincident_faces(scene: Scene) -> Iterator[str]:
             yield _on_glass(pair, other, pair.second_face, one, scene.optics)
     if len(told) > _NAMED:
         yield f"{len(told) - _NAMED} more pairs of elements have refracting faces in one place"
+    if cemented > _NAMED:
+        yield f"{cemented - _NAMED} more pairs of cemented faces are not equally wide"
     if looked >= _LOOKED:
         yield (
             f"more than {_LOOKED} pairs of faces lie in one place: of the others nothing is said"
@@ -121,22 +127,22 @@ def _covered(planes: PlaneFaces, pair: Shared, one: Element, other: Element) -> 
     )
 
 
-def _cement(pair: Shared, one: Element, other: Element) -> Iterator[str]:
-    """Say where one of two cemented bodies is wider than the other: beside it is no cement."""
+def _cement(pair: Shared, one: Element, other: Element) -> str:
+    """Say that one of two cemented bodies is wider than the other; nothing where neither is."""
     first, second = one.surface_of(pair.first_face), other.surface_of(pair.second_face)
     passed = one if not first.counts else other
     glued = (second if not first.counts else first).refracts
     if pair.point or not glued or not any(s.refracts for s in passed.surfaces):
-        return
+        return ""
     rims = [_rim(one, pair.first_face), _rim(other, pair.second_face)]
     if None in rims or math.isclose(*rims, rel_tol=_RIMS):  # type: ignore[arg-type]
-        return
+        return ""
     clear, bends = ("first", "second") if passed is one else ("second", "first")
     names = {
         "first": f'the {one.face_name(pair.first_face)} of "{one.name}"',
         "second": f'the {other.face_name(pair.second_face)} of "{other.name}"',
     }
-    yield (
+    return (
         f"{names[clear]} is clear and lies in one place with {names[bends]}, as cement does, but "
         f"the two are not equally wide ({rims[0]:.9g} and {rims[1]:.9g} m): beyond the smaller one "
         "light does not bend where glass meets air, or bends as into the other glass; give both "

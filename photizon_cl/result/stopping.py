@@ -54,8 +54,8 @@ def achieved_sigma(layout: TallyLayout, tally: Accumulator) -> float | None:
     Over the bins with at least 10 arrivals of all maps together; without a map, over the
     detectors' totals; without a detector, over the absorbed rows, those of what media absorb among
     them, and the escaped row. Totals and rows that are zero have no relative error and are left
-    out. Where a run names quantities that
-    must each meet its target, the largest of their relative standard errors.
+    out. Where a run names quantities that must each meet its target, the largest of their relative
+    standard errors.
 
     Returns
     -------

@@ -128,10 +128,9 @@ class _Walk:
         told = bends[left] & (start_side != 0)
         at = np.where(told, both[left, (start_side > 0).astype(int)], np.nan)
         said_by = np.where(told, left, -1)
-        # what is reflected, or passes, is where the segment before it was
-        started = ~goes_on
         if self.launched_in is not None:
-            at[started] = self.launched_in
+            at[~goes_on] = self.launched_in
+        # what is reflected, or passes, is where the segment before it was
         origin = np.where(goes_on & ~bends[left], found.parent, np.arange(len(found)))
         while (further := origin[origin]).tolist() != origin.tolist():
             origin = further

@@ -261,6 +261,15 @@ def test_cement_that_one_lens_is_too_narrow_for_is_told() -> None:
         assert text.startswith('the front of "flint" is clear'), said
         assert "are not equally wide (" in text
     assert not pz.advisories(scene(*doublet(), black(-0.1), source=beam(0.001)))
+    # of very many only some are named
+    row = [
+        replace(e, name=f"{e.name} {n}", position=(float(n), 0.0, e.position[2]))
+        for n in range(22)
+        for e in pair
+    ]
+    told = [text for text in pz.advisories(scene(*row, source=beam(0.001))) if "wide" in text]
+    assert len(told) == 21
+    assert told[-1] == "2 more pairs of cemented faces are not equally wide"
 
 
 # -- the edge, and faces of their own --------------------------------------------------------------

@@ -108,6 +108,9 @@ def test_a_border_that_rounding_moves_by_more_than_a_film_leaves_is_told():
     texts = [t for t in coarse(thin, 2.0**-24) if 'a border of medium "film"' in t]
     assert len(texts) == 2
     assert not any("a border of medium" in t for t in coarse(thin))
+    many = scene(*(window(0.1 * n, "-z", medium="film") for n in range(1, 23)), medium=film)
+    texts = list(coarse(many, 2.0**-24))
+    assert texts[-1] == "2 more elements are such borders"
     far = thin.replace({
         f'element."element {n}".position': (0.0, 0.0, 1e6 + z)
         for n, z in enumerate((0.7, 0.70001))
