@@ -23,7 +23,7 @@ LOBES = {
     "harvey-shack": pz.HarveyShackScatter(b0=2.0, L=0.01, S=-1.5),
     "harvey-shack, log": pz.HarveyShackScatter(b0=2.0, L=0.03, S=-2.0),
     "harvey-shack, steep": pz.HarveyShackScatter(b0=0.5, L=0.4, S=-9.0),
-    "harvey-shack, wide": pz.HarveyShackScatter(b0=0.2, L=300.0, S=-1.0),
+    "harvey-shack, wide": pz.HarveyShackScatter(b0=0.2, L=15.0, S=-100.0),
     "gaussian": pz.GaussianScatter(sigma=0.05, tis=0.2),
     "gaussian, wide": pz.GaussianScatter(sigma=1.5, tis=0.9),
     "gaussian, wider than the disc": pz.GaussianScatter(sigma=2.5, tis=0.9),
