@@ -12,6 +12,7 @@ import pytest
 import photizon_cl as pz
 
 sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from tubes import WIDE, a_sweep
 
