@@ -52,7 +52,7 @@ FN void absorb(const launch_t *launch, const scene_t *scene, ledger_t *ledger, p
 % endif
     ${"const " if not degree else ""}wide alpha = ${number(degree)};
 % for k in range(degree - 1, -1, -1):
-    alpha = fma(alpha, TO_WIDE(p->along), ${number(k)});
+    alpha = fma(alpha, ${point("media.along", "TO_WIDE(p->along)")}, ${number(k)});
 % endfor
     const mask m = p->alive & IGT(alpha, (wide)(0.0));
     if (!ANY(m)) return;

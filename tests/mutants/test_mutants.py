@@ -25,6 +25,7 @@ from oracles import (
     packets,
     scattering,
     spectra,
+    spectra_scatter,
     trails,
 )
 from oracles.engine import scene_of, trace
@@ -635,6 +636,21 @@ MUTANTS = (
         'a detector counts every line as the first',
         {'wavelength.line': '0L'},
         spectra.tables,
+    ),
+    Mutant(
+        'a medium absorbs as where pieces of bands begin',
+        {'media.along': '(wide)(0.0)'},
+        spectra_scatter.nested_of_bands,
+    ),
+    Mutant(
+        'a mirror that scatters reflects as where pieces of bands begin',
+        {'spectrum.number': 'gather(material->table + column, material->row)'},
+        spectra_scatter.scattering_of_bands,
+    ),
+    Mutant(
+        'what is scattered at glass and mirrors is of the first line',
+        {'spectrum.line': '0L'},
+        spectra_scatter.scattering_of_lines,
     ),
 )  # fmt: skip
 
