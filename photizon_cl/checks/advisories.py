@@ -11,7 +11,7 @@ from photizon_cl.checks.directions import coarse_directions
 from photizon_cl.checks.gaps import lost_gaps
 from photizon_cl.checks.importance import idle_importance
 from photizon_cl.checks.precision import DEFAULT, mode_of
-from photizon_cl.checks.spectrum import other_glasses, tables_that_end
+from photizon_cl.checks.spectrum import other_glasses, paths_of_all, tables_that_end
 from photizon_cl.scene.elements.base import OTHER_SIDE
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
@@ -58,6 +58,7 @@ def advisories(scene: Scene, precision: str = DEFAULT) -> list[str]:
     found += _nameless_media(scene)
     found += tables_that_end(scene)
     found += other_glasses(scene)
+    found += paths_of_all(scene)
     found += _capped_cavities(scene)
     found += _surfaces(scene)
     return found

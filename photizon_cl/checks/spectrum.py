@@ -1,4 +1,4 @@
-"""Tables over wavelength that end before the spectrum does."""
+"""What a spectrum does not reach: tables that end before it does, path tables over all of it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.media.medium import Medium
     from photizon_cl.scene.model import Scene
 
-__all__ = ["other_glasses", "tables_that_end"]
+__all__ = ["other_glasses", "paths_of_all", "tables_that_end"]
 
 
 def other_glasses(scene: Scene) -> Iterator[str]:
@@ -30,6 +30,18 @@ def other_glasses(scene: Scene) -> Iterator[str]:
                     "in the catalogue that is installed here: the dispersion counts, and the name "
                     "is only that; leave out the dispersion to have the glass looked up"
                 )
+
+
+def paths_of_all(scene: Scene) -> Iterator[str]:
+    """Give a sentence for each detector that is told by wavelength, and has a path table."""
+    for element in scene.element:
+        detector = element.detector
+        if detector is not None and detector.wavelengths and detector.paths is not None:
+            yield (
+                f'element "{element.name}": the path table of its detector is over all wavelengths '
+                "together, and tells none of them apart; for one alone, let the spectrum of every "
+                "source have no power elsewhere"
+            )
 
 
 def tables_that_end(scene: Scene) -> Iterator[str]:

@@ -205,6 +205,17 @@ def test_a_table_that_ends_is_advised_of():
     assert not [text for text in pz.advisories(pz.load(tables())) if "is given from" in text]
 
 
+def test_a_path_table_over_all_lines_is_advised_of():
+    scene = pz.load(tables(element__2__detector={"wavelengths": True, "paths": 5}))
+    (text,) = (text for text in pz.advisories(scene) if "path table" in text)
+    assert text.startswith(
+        'element "target": the path table of its detector is over all wavelengths'
+    )
+    for other in ({"wavelengths": True}, {"paths": 5}):
+        scene = pz.load(tables(element__2__detector=other))
+        assert not [text for text in pz.advisories(scene) if "path table" in text]
+
+
 def test_too_few_rays_and_lines_too_weak():
     scene = pz.load(tables())
     with pytest.raises(pz.ArgumentError, match=r"expected at least 2, one for each line"):
