@@ -53,7 +53,7 @@ FN weight weight_number(const material_t *material, int column) {
 % for k in range(degree - 1, -1, -1):
     x = fma(x, TO_WEIGHT(material->along), gather_weight(material->table + column + ${k * stride}, material->row));
 % endfor
-    return x;
+    return ${point("spectrum.weight", "x")};
 % endif
     if (material->only >= 0) return weight_splat(material->table[material->only + column]);
     return gather_weight(material->table + column, material->row);

@@ -116,7 +116,9 @@ class Grid:
         for nm in self.samples:
             yield tuple(numbers(nm))
         for a, b in pairwise(self.edges):
-            yield from zip(*_fitted(numbers, a, b)[0], strict=True)
+            columns = _fitted(numbers, a, b)[0]
+            # what has no numbers has rows all the same, as places in the table are counted in them
+            yield from zip(*columns, strict=True) if columns else ((),) * (self.degree + 1)
 
 
 def _varying(scene: Scene) -> list[Numbers]:

@@ -644,7 +644,7 @@ MUTANTS = (
     ),
     Mutant(
         'a mirror that scatters reflects as where pieces of bands begin',
-        {'spectrum.number': 'gather(material->table + column, material->row)'},
+        {'spectrum.weight': 'gather_weight(material->table + column, material->row)'},
         spectra_scatter.scattering_of_bands,
     ),
     Mutant(

@@ -177,10 +177,9 @@ def aimed_by_line() -> None:
     for n, surface in enumerate(optics):
         lamps.append({**beam((apart * n, 0, 0.2), "-z", 1e-9), "tilt_deg": [70.0, 0.0]})
         boards.append({**wall((apart * n, 0, 0), "+z", 5.0), "surface": surface})
-        # over where the beam lands
-        y = 0.2 * math.tan(math.radians(70.0))
+        x = apart * n - 0.2 * math.tan(math.radians(70.0))  # where the beam lands
         disks.append(
-            {"kind": "disk", "radius": radius, "position": [apart * n, y, above], "axis": "-z",
+            {"kind": "disk", "radius": radius, "position": [x, 0, above], "axis": "-z",
              "name": f"disk {n}", **BLACK, "detector": {"wavelengths": True}}
         )  # fmt: skip
     scene = scene_of(

@@ -13,6 +13,7 @@ from oracles.scenes import BLACK, beam, wall
 
 import photizon_cl as pz
 from photizon_cl.compile.grid import Grid, numbers_of
+from photizon_cl.compile.packing import material_table
 
 EDGES = [400.0, 480.0, 500.0, 700.0]
 
@@ -93,6 +94,51 @@ def test_tables_are_exact_at_their_nodes_and_linear_between():
         assert lowest == surface.reflectance.at(nm)
         assert lowest + rise == pytest.approx(surface.reflectance.at(grid.edges[k + 1]), abs=1e-16)
         assert not any(others)
+
+
+@pytest.mark.parametrize("light", [{"edges_nm": EDGES}, {"wavelengths_nm": [450.0, 600.0]}])
+def test_each_surface_reads_its_own_rows(light):
+    """Those without numbers among them, wherever they stand in the file."""
+    curve = {"wavelength_nm": [400.0, 700.0], "value": [0.25, 0.75]}
+    surfaces = [
+        {"kind": "absorber"}, {"kind": "mirror", "reflectance": curve}, {"kind": "clear"},
+        {"kind": "lambertian", "reflectance": 0.5}, {"kind": "mixed", "specular": curve,
+                                                     "diffuse": 0.125},
+    ]  # fmt: skip
+    for order in (surfaces, surfaces[::-1]):
+        scene = scene_of(
+            [beam((0, 0, -0.5), "+z", 1e-9)],
+            [{**wall((0, 0, z), "-z", 1.0), "surface": s} for z, s in enumerate(order)],
+            spectrum=light,
+        )
+        made = compiled(scene, rays_per_batch=16)
+        grid, width = Grid.of(scene), made.tables.spec.strides.material
+        table = made.tables.materials.reshape(-1, width)
+        places = material_table(scene, made.tables.spec.strides, grid)[1]
+        assert len(table) == len(places) * grid.n * (grid.degree + 1)
+        for surface, place in places.items():
+            wanted = list(grid.rows(numbers_of(scene, surface)))
+            assert len(wanted) == grid.n * (grid.degree + 1)
+            for row, found in zip(wanted, table[place // width :], strict=False):
+                assert found[: len(row)].tolist() == list(row)
+                assert not found[len(row) :].any()
+
+
+def test_black_before_others_takes_none_of_their_numbers():
+    """What a mirror leaves behind a black wall in the file is what it leaves before it."""
+    curve = {"wavelength_nm": [400.0, 700.0], "value": [0.25, 0.25]}
+    rows = [
+        {**wall((0, 0, 0), "-z", 1.0), "name": "black", **BLACK},
+        {**wall((0, 0, -1.0), "+z", 1.0), "name": "mirror",
+         "surface": {"kind": "mirror", "reflectance": curve}},
+    ]  # fmt: skip
+    for order in (rows, rows[::-1]):
+        found = trace(
+            scene_of([beam((0, 0, -0.5), "-z", 0.01)], order, spectrum={"edges_nm": EDGES}),
+            rays_per_batch=48,
+        )
+        assert found.absorbed("black") == found.emitted / 4
+        assert found.closures() == [0]
 
 
 @pytest.mark.statistical
