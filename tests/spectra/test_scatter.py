@@ -43,8 +43,15 @@ def test_importance_sampling_weighs_by_line():
     spectra_scatter.aimed_by_line()
 
 
-@pytest.mark.parametrize("by", ["lines", "bands"])
-@pytest.mark.parametrize("splitting", [True, False])
+@pytest.mark.parametrize(
+    ("by", "splitting"),
+    [
+        ("lines", False),
+        ("bands", True),
+        pytest.param("lines", True, marks=pytest.mark.slow),
+        pytest.param("bands", False, marks=pytest.mark.slow),
+    ],
+)
 def test_lanes_and_compositions_change_no_bit(by, splitting):
     scene = spectra_scatter.everything(spectra_scatter.BY[by], splitting=splitting)
     made = compiled(scene, rays_per_batch=96)
