@@ -41,15 +41,22 @@ if TYPE_CHECKING:
     from photizon_cl.run.result import open_result as open_result
     from photizon_cl.run.simulation import resume as resume
     from photizon_cl.run.simulation import trace as trace
+    from photizon_cl.scene.curves import AbsorptionCurve as AbsorptionCurve
+    from photizon_cl.scene.curves import Curve as Curve
     from photizon_cl.scene.detectors.detector import Detector as Detector
     from photizon_cl.scene.far_field import FarField as FarField
     from photizon_cl.scene.files import load as load
     from photizon_cl.scene.importance import Importance as Importance
+    from photizon_cl.scene.media.dispersion import Cauchy as Cauchy
+    from photizon_cl.scene.media.dispersion import IndexTable as IndexTable
+    from photizon_cl.scene.media.dispersion import Polynomial as Polynomial
+    from photizon_cl.scene.media.dispersion import Sellmeier as Sellmeier
     from photizon_cl.scene.media.medium import Medium as Medium
     from photizon_cl.scene.model import Scene as Scene
     from photizon_cl.scene.presets import presets as presets
     from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
     from photizon_cl.scene.settings import RunSettings as RunSettings
+    from photizon_cl.scene.spectrum import Spectrum as Spectrum
     from photizon_cl.studies.costing import cost as cost
     from photizon_cl.studies.effects import effects as effects
     from photizon_cl.studies.sweeps import Sweep as Sweep
@@ -88,6 +95,13 @@ _MODULE_OF: Final[dict[str, str]] = {
     "FarField": "photizon_cl.scene.far_field",
     "Importance": "photizon_cl.scene.importance",
     "Medium": "photizon_cl.scene.media.medium",
+    "Spectrum": "photizon_cl.scene.spectrum",
+    "Curve": "photizon_cl.scene.curves",
+    "AbsorptionCurve": "photizon_cl.scene.curves",
+    "Sellmeier": "photizon_cl.scene.media.dispersion",
+    "Polynomial": "photizon_cl.scene.media.dispersion",
+    "Cauchy": "photizon_cl.scene.media.dispersion",
+    "IndexTable": "photizon_cl.scene.media.dispersion",
     "Detector": "photizon_cl.scene.detectors.detector",
     # what can go wrong
     "PhotizonError": "photizon_cl.errors",

@@ -117,7 +117,7 @@ FN real density_scattered(const launch_t *launch, const scene_t *scene, const pa
     real density = splat(0.0);
 % for surface in scattering:
     {
-        const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}};
+        const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}${", p->along" if "piece" in ray_long else ""}};
         const encounter_t event = {m${f" & IEQ(SURFACE_OF(h->code), lsplat({surface.number}L))" if len(surfaces) > 1 else ""}, p, c, launch->seed};
         if (ANY(event.m)) density = SEL(event.m, density_${surface.kind}(&event, &material, x, y, z), density);
     }

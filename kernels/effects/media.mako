@@ -39,11 +39,21 @@ FN lint medium_behind(const launch_t *launch, const scene_t *scene, const packet
 // nothing is left ends on its way.
 FN void absorb(const launch_t *launch, const scene_t *scene, ledger_t *ledger, packet_t *p, const hit_t *h) {
     __global const double *table = scene->geometry + launch->absorption;
-% if lanes == 1:
-    const wide alpha = table[p->medium];
-% else:
-    const wide alpha = (wide)(${", ".join(f"table[{lane('p->medium', l)}]" for l in range(lanes))});
+<%
+    degree = counts.get("band_degree", 0)
+    places = [lane("place" if "line" in ray_long else "p->medium", l) for l in range(lanes)]
+    numbers = lambda k: ["table[" + place + (f" + {k}" if degree else "") + "]" for place in places]
+    number = lambda k: numbers(k)[0] if len(places) == 1 else "(wide)(" + ", ".join(numbers(k)) + ")"
+%>
+% if degree:
+    const lint place = (p->medium * (long)launch->pieces + p->piece) * ${degree + 1}L;
+% elif "line" in ray_long:
+    const lint place = ${point("media.line", "p->medium * (long)launch->lines + p->line")};
 % endif
+    ${"const " if not degree else ""}wide alpha = ${number(degree)};
+% for k in range(degree - 1, -1, -1):
+    alpha = fma(alpha, ${point("media.along", "TO_WIDE(p->along)")}, ${number(k)});
+% endfor
     const mask m = p->alive & IGT(alpha, (wide)(0.0));
     if (!ANY(m)) return;
     const wide s = ${point("media.length", "TO_WIDE(h->t)")};

@@ -12,6 +12,9 @@ typedef struct {
 typedef struct {
     double u, v, w;
     uint generation;
+% if "line" in ending_word:
+    uint line;  // of the spectrum
+% endif
 } arrival_t;
 
 // The bin of x among n bins with ascending edges[0..n]; the first and last bin take what rounding

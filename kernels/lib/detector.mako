@@ -30,6 +30,9 @@ ${statement}
 % if forms:
     arrival_t a;
     a.generation = end->generation;
+% if "line" in ending_word:
+    a.line = end->line;
+% endif
     __global const double *row = numbers + which * DETECTOR_NUMBERS;
     const double px = end->x - row[0], py = end->y - row[1], pz = end->z - row[2];
 % for n, name in enumerate("uvw"):

@@ -1,5 +1,6 @@
 ## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes, events (whether
-## what happened is asked for), extras (rays that may go on beside two), densities (whether that of what scatters is)
+## what happened is asked for), extras (rays that may go on beside two), densities (whether that of what scatters is);
+## strides; counts (band_degree)
 // What a surface is told of a ray that meets it, and what it answers.
 //
 // Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
@@ -21,19 +22,39 @@ typedef struct {
 #define SCATTERED 4u
 
 // Rows of the material table: `only` for all lanes, where a kind has just one, else `row` of each.
+<%
+    degree, stride = counts.get("band_degree", 0), strides.material
+%>
 typedef struct {
     __global const double *table;
     lint row;
     long only;
+% if degree:
+    real along;   // place in the piece of the band: what a row has are the lowest coefficients
+% endif
 } material_t;
 
 FN real material_number(const material_t *material, int column) {
+% if degree:
+    real x = gather(material->table + column + ${degree * stride}, material->row);
+% for k in range(degree - 1, -1, -1):
+    x = fma(x, material->along, gather(material->table + column + ${k * stride}, material->row));
+% endfor
+    return ${point("spectrum.number", "x")};
+% endif
     if (material->only >= 0) return splat(material->table[material->only + column]);
     return gather(material->table + column, material->row);
 }
 
 // The same for what a weight is multiplied by: it must not be rounded to what lengths are.
 FN weight weight_number(const material_t *material, int column) {
+% if degree:
+    weight x = gather_weight(material->table + column + ${degree * stride}, material->row);
+% for k in range(degree - 1, -1, -1):
+    x = fma(x, TO_WEIGHT(material->along), gather_weight(material->table + column + ${k * stride}, material->row));
+% endfor
+    return ${point("spectrum.weight", "x")};
+% endif
     if (material->only >= 0) return weight_splat(material->table[material->only + column]);
     return gather_weight(material->table + column, material->row);
 }

@@ -1,10 +1,13 @@
 ## effects, lanes, ledger (names of the rows behind the elements'), ledger_rows (number of rows kept in
-## registers, 0 for none), n_elements where that is > 0; books: whether the stage keeps one at all
+## registers, 0 for none), n_elements where that is > 0; books: whether the stage keeps one at all;
+## counts (ledger_parts: 1 where rows are divided)
 // The ledger of one work-item: what elements absorb, what escapes, what roulette and the generation
 // cap take.  Rows: element 0 ... n-1, then the named ones.
 //
 // Few rows: partial sums per lane in registers, added to the batch's tally when the work-item
 // returns.  Many rows: added to the tally at once.  Either way the sums are exact integers.
+// Rows that are divided are many; `first_part` and `parts` say in which cell those of each begin, `part` is
+// the one of each lane.  An effect writes these at `travel`, and the host adds the parts up.
 % for n, name in enumerate(ledger):
 #define ROW_${name.upper().replace(".", "_")} ${n}
 % endfor
@@ -18,7 +21,15 @@ typedef struct {
 % for r in range(ledger_rows):
     lint a${r}, b${r}, c${r};
 % endfor
+% if "ledger_parts" in counts:
+    long first_part, parts;
+    lint part;
+% endif
 } ledger_t;
+<%
+    divided = "ledger_parts" in counts
+    cell_of = lambda row, l: f"(ledger->first_part + {row} * ledger->parts + {lane('ledger->part', l)})" if divided else row
+%>
 
 FN void open_ledger(ledger_t *ledger, __global long *tally) {
     ledger->tally = tally;
@@ -29,6 +40,11 @@ FN void open_ledger(ledger_t *ledger, __global long *tally) {
 % for r in range(ledger_rows):
     ledger->a${r} = lsplat(0L); ledger->b${r} = lsplat(0L); ledger->c${r} = lsplat(0L);
 % endfor
+% if divided:
+    ledger->first_part = 0L;
+    ledger->parts = 1L;
+    ledger->part = lsplat(0L);
+% endif
 }
 
 % if books and not ledger_rows:
@@ -42,7 +58,7 @@ FN void add_limbs(__global long *cell, long a, long b, long c) {
 // Has an element's row fetched before what it absorbs is booked: an atomic addition waits for it, and
 // another core may have it.
 FN void expect(const ledger_t *ledger, lint element, mask m) {
-% if "acceleration" in effects and not ledger_rows:
+% if "acceleration" in effects and not ledger_rows and not divided:
 % for l in range(lanes):
     if (${lane("m", l)}) FETCH_TO_WRITE(ledger->tally + ${lane("element", l)} * CELL);
 % endfor
@@ -60,7 +76,7 @@ FN void book(ledger_t *ledger, lint row, mask m, image_t image) {
 % if books and not ledger_rows:
 % for l in range(lanes):
     if (${lane("m", l)})
-        add_limbs(ledger->tally + ${lane("row", l)} * CELL, ${lane("image.p0", l)}, ${lane("image.p1", l)}, ${lane("image.p2", l)});
+        add_limbs(ledger->tally + ${cell_of(lane("row", l), l)} * CELL, ${lane("image.p0", l)}, ${lane("image.p1", l)}, ${lane("image.p2", l)});
 % endfor
 % endif
 }

@@ -5,7 +5,8 @@
 //           packed as c0 = ray[31:0], c1 = ray[47:32] | decision << 16 | path[55:44] << 20,
 //           c2 = path[31:0], c3 = generation | path[43:32] << 20.
 // Every draw of a run has a counter of its own; a draw that is not made shifts no other.
-## Decision 4 is that of effects/choice, 5 that of effects/importance, 6 that of effects/scatter, which define them.
+## Decision 4 is that of effects/choice, 5 that of effects/importance, 6 that of effects/scatter, 7 that of
+## effects/spectrum, which define them.
 #define PHILOX_M0 0xD2511F53u
 #define PHILOX_M1 0xCD9E8D57u
 #define PHILOX_W0 0x9E3779B9u

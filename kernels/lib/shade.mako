@@ -30,14 +30,14 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % endif
     const image_t before = image_of(p->w);
 % if any(not s.single for s in surfaces):
-    const lint row = ${"gather_long(scene->codes + launch->material_of_face, SELI(found, material_of_face(h->code), lsplat(0L)))" if "face-surfaces" in effects else "MATERIAL_OF(gather_long(scene->codes + launch->material_of, SELI(found, element, lsplat(0L))))"};
+    const lint row = ${"gather_long(scene->codes + launch->material_of_face, SELI(found, material_of_face(h->code), lsplat(0L)))" if "face-surfaces" in effects else "MATERIAL_OF(gather_long(scene->codes + launch->material_of, SELI(found, element, lsplat(0L))))"}${f" + p->piece * {(counts['band_degree'] + 1) * strides.material}L" if "piece" in ray_long else f" + p->line * {strides.material}L" if "line" in ray_long else ""};
 % else:
     const lint row = lsplat(0L);
 % endif
     outcome_t outcome = no_outcome(p, c);
 % for surface in surfaces:
     {
-        const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}};
+        const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}${", p->along" if "piece" in ray_long else ""}};
 % if len(surfaces) > 1:
         const encounter_t event = {found & IEQ(SURFACE_OF(h->code), lsplat(${surface.number}L)), p, c, launch->seed};
         if (ANY(event.m))

@@ -11,10 +11,12 @@ from photizon_cl.checks.directions import coarse_directions
 from photizon_cl.checks.gaps import lost_gaps
 from photizon_cl.checks.importance import idle_importance
 from photizon_cl.checks.precision import DEFAULT, mode_of
+from photizon_cl.checks.spectrum import other_glasses, paths_of_all, tables_that_end
 from photizon_cl.scene.elements.base import OTHER_SIDE
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
 from photizon_cl.scene.media.names import named_by
+from photizon_cl.scene.spectral import curves_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -54,6 +56,9 @@ def advisories(scene: Scene, precision: str = DEFAULT) -> list[str]:
     found += idle_importance(scene)
     found += _idle_media(scene)
     found += _nameless_media(scene)
+    found += tables_that_end(scene)
+    found += other_glasses(scene)
+    found += paths_of_all(scene)
     found += _capped_cavities(scene)
     found += _surfaces(scene)
     return found
@@ -150,7 +155,7 @@ def _idle_media(scene: Scene) -> Iterator[str]:
 
 def _nameless_media(scene: Scene) -> Iterator[str]:
     """Find borders given by indices, beside a medium that absorbs and has one of them."""
-    absorbing = [m for m in scene.medium if m.absorption_per_m > 0.0]
+    absorbing = [(m, m.index_at(scene.reference_nm)) for m in scene.medium if m.absorbs]
     for element in scene.element:
         for surface in dict.fromkeys(element.surfaces):
             if surface.media is not None or surface.indices is None:
@@ -159,8 +164,8 @@ def _nameless_media(scene: Scene) -> Iterator[str]:
                 (
                     (index, medium)
                     for index in surface.indices
-                    for medium in absorbing
-                    if index != 1.0 and abs(index - medium.index) <= _ALIKE * medium.index
+                    for medium, its in absorbing
+                    if index != 1.0 and abs(index - its) <= _ALIKE * its
                 ),
                 None,
             )
@@ -183,11 +188,18 @@ def _passing(depth: float) -> float:
 
 
 def _capped_cavities(scene: Scene) -> Iterator[str]:
-    absorption = {m.name: m.absorption_per_m for m in scene.medium}
+    # the least of all wavelengths: that light lives longest
+    absorption = {m.name: min(map(m.absorption_at, scene.wavelengths)) for m in scene.medium}
     for element in scene.element:
         wall, again = element.sole_face, element.self_view_factor
-        reflectance = element.surface.diffuse_reflectance
-        if not isinstance(wall, Ball) or again is None or reflectance is None:
+        if not isinstance(wall, Ball) or again is None:
+            continue
+        by_line = [
+            element.surface.at(nm).diffuse_reflectance
+            for nm in (scene.wavelengths if any(curves_of(element)) else (None,))
+        ]
+        reflectance = None if None in by_line else max(filter(None, by_line), default=0.0)
+        if reflectance is None:
             continue
         inside = [s for s in scene.source if wall.holds(element.local(s.position))]
         fills = [absorption.get(s.medium, 0.0) for s in inside]

@@ -71,7 +71,7 @@ def coarse(scene: Scene, roundoff: float = ROUNDOFF) -> Iterator[str]:
     small = "are as small beside their distances"
     yield from _limited((_element(e, grid) for e in scene.element), f"elements {small}")
     yield from _limited((_source(s, grid) for s in scene.source), f"sources {small}")
-    absorption = {m.name: m.absorption_per_m for m in scene.medium if m.absorption_per_m}
+    absorption = {m.name: m.most_absorption for m in scene.medium if m.absorbs}
     borders = (_border(e, absorption, grid) for e in scene.element)
     yield from _limited(borders, "elements are such borders")
 

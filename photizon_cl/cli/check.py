@@ -82,6 +82,8 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
             line(text, "    ")
     if scene.importance is not None:
         line(f"importance: {_describe(scene.importance)}")
+    if scene.spectrum is not None:
+        line(f"spectrum: {scene.spectrum.about}")
     line(f"memory: {_memory(compiled)}")
     if scene.medium:
         out.print()
@@ -90,6 +92,9 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
         line(f"{medium.name}: {_describe(medium)}")
         if medium.derived():
             line(_derived(medium), "    ")
+        if scene.spectrum is not None and medium.index is None:
+            shown = (f"{medium.index_at(nm):.9g} at {nm:.9g} nm" for nm in _some(scene))
+            line(f"index {', '.join(shown)}", "    ")
     out.print()
     out.print(Text("sources", "bold"))
     for source, rays in zip(scene.source, compiled.rays_of_source, strict=True):
@@ -129,6 +134,13 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
         out.print()
         line(f"device: {faster}")
     out.print(f"{scene.digest()}", soft_wrap=True)
+
+
+def _some(scene: Scene) -> list[float]:
+    """Return a few wavelengths of a scene's spectrum: first, middle and last."""
+    assert scene.spectrum is not None
+    all_of_it = scene.spectrum.middles_nm
+    return list(dict.fromkeys((all_of_it[0], all_of_it[scene.spectrum.reference], all_of_it[-1])))
 
 
 def _tell(text: str) -> None:
@@ -199,7 +211,11 @@ def _describe(item: Described) -> str:
     parts = []
     for name, parameter in parameters_of(type(item)).items():
         value = getattr(item, name)
-        if name == "name" or value is None or isinstance(value, Described):
+        if name == "name" or value is None:
+            continue
+        if isinstance(value, Described):
+            if value.one_value:
+                parts.append(f"{name} {value}" + (f" {parameter.unit}" if parameter.unit else ""))
             continue
         if parameter.silent and value == default_of(type(item), name):
             continue

@@ -26,6 +26,8 @@ __all__ = ["give", "print_result"]
 
 _MOST_ROWS: Final = 50
 """A longer curve of the far field is not printed; the files have it."""
+_MOST_BESIDE: Final = 3
+"""Detectors whose powers by wavelength stand beside each other."""
 _MOST_TALLIED: Final = 10
 """Rows of what an effect counts that are printed; the files have all."""
 _STOPPED: Final = {
@@ -87,6 +89,7 @@ def print_result(result: Result, out: Console, said: Collection[str] = ()) -> No
     out.print()
     _print_ledger(result, out)
     _print_detectors(result, out)
+    _print_by_wavelength(result, out)
     _print_far_field(result, out)
     _print_tallies(result, out)
     achieved = result.achieved_sigma
@@ -162,6 +165,25 @@ def _print_detectors(result: Result, out: Console) -> None:
                 text += f", lit {values.min():.4g} … {values.max():.4g} W/m²"
             rows.add_row(Text(text), "", "", "")
     print_table(rows, out)
+
+
+def _print_by_wavelength(result: Result, out: Console) -> None:
+    """Print the powers of detectors that tell lines apart, where there are not too many."""
+    spectrum = result.scene.spectrum
+    told = {name: d.power for name, d in result.detectors.items() if d.power.by_wavelength}
+    if spectrum is None or not told or spectrum.n > _MOST_ROWS:
+        return
+    for first in range(0, len(told), _MOST_BESIDE):
+        names = list(told)[first : first + _MOST_BESIDE]
+        out.print()
+        heads = [head for name in names for head in ((f"W at {name}", "right"), ("± σ", "right"))]
+        rows = table(("wavelength", "left"), ("W emitted", "right"), *heads)
+        for k, line in enumerate(spectrum.names):
+            parts = [told[name].by_wavelength[k] for name in names]
+            cells = [text for part in parts for text in with_error(part.value, part.sigma)]
+            emitted = f"{result.ledger.emitted.by_wavelength[k].value:.6g}"
+            rows.add_row(Text(line), emitted, *cells)
+        print_table(rows, out)
 
 
 def _print_far_field(result: Result, out: Console) -> None:

@@ -13,6 +13,7 @@ from hostcode.run.tables import DeviceTables
 from hostcode.run.tally import image
 from photizon_cl.compile.draft import Draft
 from photizon_cl.compile.effects.table import EFFECTS
+from photizon_cl.compile.grid import Grid
 from photizon_cl.compile.kinds import ALL_KINDS, Kinds
 from photizon_cl.compile.layout import lay_out
 from photizon_cl.compile.packing import (
@@ -28,7 +29,13 @@ from photizon_cl.compile.packing import (
     surface_kinds,
 )
 from photizon_cl.compile.quantities import watched
-from photizon_cl.compile.rays import check_weights, ray_weights, share_rays
+from photizon_cl.compile.rays import (
+    beams_of,
+    check_weights,
+    ray_weights,
+    rays_of_sources,
+    share_rays,
+)
 from photizon_cl.errors import ArgumentError, Problem, SceneError, show
 from photizon_cl.geometry.placing import recentre, recentred
 
@@ -70,6 +77,8 @@ class CompiledScene:
         Watts of a ray of weight 1 in a batch.
     emitted : int
         Exact weight launched in a batch, in units of 2^-95.
+    emitted_parts : tuple of int
+        What of it each line of the spectrum has; all of it without one.
     shift : tuple of float
         Taken off every position so that a scene far from the origin loses nothing, in metres.
     precision : Precision
@@ -84,6 +93,7 @@ class CompiledScene:
     rays_of_source: tuple[int, ...]
     unit_power: float
     emitted: int
+    emitted_parts: tuple[int, ...]
     shift: tuple[float, float, float]
     precision: Precision = FP64
 
@@ -139,8 +149,8 @@ def compile_scene(
         Where the settings ask for an effect that there is not, or that the scene cannot have.
     ArgumentError
         Where a batch has fewer rays than the scene has sources, the rays of one source are so weak
-        beside another's that the tally could not hold them, or the scene has more elements or kinds
-        than the kernels can tell apart.
+        beside another's that the tally could not hold them, the scene has more elements or kinds
+        than the kernels can tell apart, or something changes too fast with wavelength in a band.
     """
     mode = PRECISIONS[precision]
     rays = share_rays(scene, settings.rays_per_batch)
@@ -160,10 +170,12 @@ def compile_scene(
             for e, _ in used
             if (shape := e.cells(scene))
         ],
+        max((e.divides(scene) for e, _ in used), default=0),
     )
     layout = replace(layout, watched=watched(scene, layout, settings.target_on))
     draft = Draft(scene, settings, layout, shift, precision=mode)
     draft.note_words = common.note_words if common else 0
+    draft.beams = beams_of(scene)
     for effect, reason in used:
         effect.prepare(draft, forced=reason == _FORCED)
 
@@ -173,15 +185,17 @@ def compile_scene(
     axes = common.axes if common else [element.class_axis for element in scene.element]
     axes = [None] * len(axes) if draft.all_tilted else axes
     draft.classes, class_of = element_classes(scene, kinds, axes)
-    materials, draft.materials = material_table(scene, stride)
+    draft.grid = Grid.of(scene, by_line=layout.parts > 0)
+    materials, draft.materials = material_table(scene, stride, draft.grid)
     draft.material_of = [draft.materials[element.surfaces[0]] for element in scene.element]
-    surfaces = surface_kinds(kinds, draft.materials, common)
+    surfaces = surface_kinds(kinds, draft.materials, common, divided=layout.parts > 0)
     draft.scatters = tuple(sorted(kinds.scatters, key=lambda cls: cls.kernel))
     draft.surface_numbers = {surface.kind: surface.number for surface in surfaces}
     sources = source_kinds(scene, kinds)
     draft.element_codes = element_codes(scene, class_of, surfaces, draft.coincident)
     draft.geometry = geometry_table(draft, class_of, stride, effects)
     parts = [replace(effect.parts(draft), effect=effect.name) for effect, _ in used]
+    in_registers = kinds.few(MAX_REGISTER_ELEMENTS) and not layout.parts
     spec = ProgramSpec(
         classes=draft.classes,
         surfaces=surfaces,
@@ -192,7 +206,7 @@ def compile_scene(
         columns=columns(kinds, effects, stride),
         strides=stride,
         ledger=tuple(row.macro or row.name for row in layout.rows),
-        n_elements=len(scene.element) if kinds.few(MAX_REGISTER_ELEMENTS) else 0,
+        n_elements=len(scene.element) if in_registers else 0,
         real=mode.real,
         weight=mode.weight,
     )
@@ -208,12 +222,24 @@ def compile_scene(
         launch=draft.launch,
         n_cells=layout.n_cells,
     )
-    emitted = sum(n * image(w) for n, w in zip(rays, weights, strict=True))
+    emitted = [0] * len(scene.wavelengths)
+    for beam, n, weight in zip(draft.beams, rays, weights, strict=True):
+        emitted[beam.line] += n * image(weight)
     reasons = {name: _FORCED for name in ALL_KINDS if name in force}
     reasons |= _kinds_in_use(scene)
     reasons |= {effect.name: reason for effect, reason in used}
     return CompiledScene(
-        scene, settings, tables, layout, reasons, rays, unit_power, emitted, shift, mode
+        scene,
+        settings,
+        tables,
+        layout,
+        reasons,
+        rays_of_sources(scene, rays),
+        unit_power,
+        sum(emitted),
+        tuple(emitted),
+        shift,
+        mode,
     )
 
 
@@ -224,7 +250,7 @@ def _fill(draft: Draft, used: list[tuple[Effect, str]], spec: ProgramSpec) -> No
         "seed": settings.seed,
         "rays_per_batch": settings.rays_per_batch,
         "generation_cap": settings.generation_cap,
-        "n_sources": len(scene.source),
+        "n_sources": len(draft.beams),
         "n_elements": len(scene.element),
     }
     draft.codes = codes_by_class(draft.element_codes, len(draft.classes))
@@ -274,7 +300,8 @@ def _effects_in_use(
         if reason is None and effect.name in force and effect.possible(scene):
             reason = _FORCED
         if reason is None and common and effect.name in common.effects and effect.possible(scene):
-            reason = None if effect.rows(scene) or effect.cells(scene) else _COMMON
+            adds = effect.rows(scene) or effect.cells(scene) or effect.divides(scene)
+            reason = None if adds else _COMMON
         if reason is not None:
             used.append((effect, reason))
     return used

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hostcode.program.precision import FP64
 from hostcode.program.spec import TallyForm
+from photizon_cl.compile.grid import Grid
 from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.placing import recentred
 from photizon_cl.geometry.wedges import edge_factors
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from hostcode.program.precision import Precision
     from hostcode.program.spec import ElementClass, Strides
     from photizon_cl.compile.layout import TallyLayout
+    from photizon_cl.compile.rays import Beam
     from photizon_cl.scene.filters.base import Filter
     from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.model import Scene
@@ -59,6 +61,10 @@ class Draft:
         Number of each surface kind, by its kernel.
     scatters : tuple of type
         Classes of the scatter models that are compiled in, by name.
+    beams : tuple of Beam
+        What each row of the source table is.
+    grid : Grid
+        By what numbers that depend on wavelength are tabulated.
     """
 
     scene: Scene
@@ -79,6 +85,8 @@ class Draft:
     materials: dict[Surface, int] = field(default_factory=dict)
     surface_numbers: dict[str, int] = field(default_factory=dict)
     scatters: tuple[type[Scatter], ...] = ()
+    beams: tuple[Beam, ...] = ()
+    grid: Grid = field(default_factory=lambda: Grid((None,)))
     codes: list[int] = field(default_factory=list)
     detector_numbers: list[float] = field(default_factory=list)
     edges: list[float] = field(default_factory=list)

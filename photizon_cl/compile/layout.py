@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.scene.detectors.detector import BY_WAVELENGTH
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -121,6 +123,18 @@ class DetectorCells:
         return (tally.first, tuple(f.bins for f in tally.filters)) if tally else (0, (0, 0))
 
     @property
+    def wavelengths(self) -> int:
+        """Lines by which all is told, 0 where it is not."""
+        tally = self.tally(f"power{BY_WAVELENGTH}")
+        return tally.size if tally else 0
+
+    def by_wavelength(self, name: str, line: int) -> int:
+        """Return the first cell of what a line brings to the power, the ladder or the map."""
+        tally = self.tally(f"{name}{BY_WAVELENGTH}")
+        assert tally is not None
+        return tally.first + line * (tally.size // self.wavelengths)
+
+    @property
     def ladder(self) -> int:
         """First cell of the ladder, 0 without one."""
         return self._cells("ladder")[0]
@@ -219,6 +233,9 @@ class Quantity:
 class TallyLayout:
     """Meaning of the cells of a batch's tally.
 
+    Where an effect divides the ledger's rows, the parts of each stand behind the cells that effects
+    bring, those of the first row first.
+
     Cells ``0 … n_elements − 1`` are absorbed by the elements; then come the named rows of the
     ledger, the detectors' cells, the cells that effects bring, and last the row of interactions, of
     which only the count is used.
@@ -232,6 +249,19 @@ class TallyLayout:
     groups: tuple[CellGroup, ...]
     n_cells: int
     watched: tuple[Quantity, ...] = ()
+    parts: int = 0
+    """Parts of each row of the ledger, 0 where they are not divided."""
+    divided: int = 0
+    """First cell of the first row's parts."""
+
+    def part(self, row: int, number: int) -> int:
+        """Return the cell of a part of a row of the ledger, given the row's cell."""
+        return self.divided + row * self.parts + number
+
+    def counts_arrivals(self, cell: int) -> bool:
+        """Say whether a cell counts what comes to it, as those of the ledger do not."""
+        first = self.divided
+        return cell >= self.n_rows and not first <= cell < first + self.n_rows * self.parts
 
     def row(self, name: str) -> int:
         """Return the cell of a row of the ledger."""
@@ -288,6 +318,12 @@ class TallyLayout:
             found[f"detector {d.element}"] = (d.power, 1)
             found |= {f"detector {d.element} {t.name}": (t.first, t.size) for t in d.tallies}
         found |= {f"effect {group.effect}": (group.first, group.size) for group in self.groups}
+        if self.parts:
+            found["absorbed in parts"] = (self.divided, self.n_elements * self.parts)
+            found |= {
+                f"row {row.name} in parts": (self.part(self.row(row.name), 0), self.parts)
+                for row in self.rows
+            }
         return {**found, "interactions": (self.interactions, 1)}
 
     @property
@@ -303,6 +339,14 @@ class TallyLayout:
             found.append((d.power, 1))
             if d.n_generations:
                 found.append((d.ladder, d.n_generations))
+            for name in (f"power{BY_WAVELENGTH}", f"ladder{BY_WAVELENGTH}"):
+                tally = d.tally(name)
+                if tally is not None:
+                    found.append((tally.first, tally.size))
+        if self.parts:
+            few = self.n_elements * self.parts <= MOST_ABSORBING
+            first = 0 if few else self.n_elements
+            found.append((self.part(first, 0), (self.n_rows - first) * self.parts))
         joined: list[tuple[int, int]] = []
         for start, n in sorted(found):
             if joined and sum(joined[-1]) == start:
@@ -338,6 +382,7 @@ def lay_out(
     scene: Scene,
     rows: Iterable[LedgerRow] = (),
     groups: Iterable[tuple[str, tuple[int, ...], tuple[str, ...], str, float, str]] = (),
+    parts: int = 0,
 ) -> TallyLayout:
     """Give every quantity of a scene its cells.
 
@@ -350,6 +395,8 @@ def lay_out(
     groups : iterable of (str, tuple of int, tuple of str, str, float, str)
         Effect, shape, labels, unit, scale and name of the count of the cells that effects bring,
         see `CellGroup`.
+    parts : int
+        Into which each row of the ledger is divided, 0 where they are not.
     """
     named = (*ROWS, *rows)
     cell = len(scene.element) + len(named)
@@ -360,7 +407,7 @@ def lay_out(
         power = cell
         cell += 1
         tallies = []
-        for name, filters in element.detector.tallies(element):
+        for name, filters in element.detector.tallies(element, scene.spectrum):
             tallies.append(TallyCells(name, cell, filters))
             cell += tallies[-1].size
         paths = element.detector.paths or 0
@@ -369,4 +416,8 @@ def lay_out(
     for effect, shape, labels, unit, scale, counted_as in groups:
         brought.append(CellGroup(effect, cell, shape, labels, unit, scale, counted_as))
         cell += brought[-1].size
-    return TallyLayout(len(scene.element), named, tuple(found), tuple(brought), cell + 1)
+    n, divided = len(scene.element), cell if parts else 0
+    cell += (n + len(named)) * parts
+    return TallyLayout(
+        n, named, tuple(found), tuple(brought), cell + 1, parts=parts, divided=divided
+    )

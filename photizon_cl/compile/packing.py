@@ -9,6 +9,7 @@ import numpy as np
 from hostcode.errors import HostError
 from hostcode.program.codes import decode, encode
 from hostcode.program.spec import CACHE_LINE, ElementClass, SourceKind, Strides, SurfaceKind
+from photizon_cl.compile.grid import numbers_of
 from photizon_cl.errors import ArgumentError
 from photizon_cl.geometry.placing import bounded, moved
 from photizon_cl.scene.elements import Element
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from photizon_cl.compile.common import Common
     from photizon_cl.compile.draft import Draft
     from photizon_cl.compile.effects.base import Effect
+    from photizon_cl.compile.grid import Grid
     from photizon_cl.compile.kinds import Kinds
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.surfaces.base import Surface
@@ -121,12 +123,13 @@ def source_table(
     weights: list[float],
     stride: Strides,
 ) -> NDArray[np.float64]:
-    """Return the rows of the source table."""
+    """Return the rows of the source table: one for each beam."""
     number = {(kind.stem, kind.option): kind.number for kind in kinds}
     scene = draft.scene
-    table = np.zeros((len(scene.source), stride.source))
+    table = np.zeros((len(draft.beams), stride.source))
     first = 0
-    for row, source, n, weight in zip(table, scene.source, rays, weights, strict=True):
+    for row, beam, n, weight in zip(table, draft.beams, rays, weights, strict=True):
+        source = scene.source[beam.source]
         x, y, z = moved(source.position, draft.shift)
         values = SOURCE.pack(
             {
@@ -280,26 +283,38 @@ def geometry_table(
 # -- surfaces ------------------------------------------------------------------------------------
 
 
-def material_table(scene: Scene, stride: Strides) -> tuple[list[float], dict[Surface, int]]:
-    """Rows of the distinct surfaces in order, and where in them that of each begins."""
+def material_table(
+    scene: Scene, stride: Strides, grid: Grid
+) -> tuple[list[float], dict[Surface, int]]:
+    """Rows of the distinct surfaces in order, and where in them that of each begins.
+
+    A surface has a row for each line of the grid, or for each coefficient in each of its pieces.
+    """
     rows: dict[tuple[str, tuple[float, ...]], int] = {}
+    length = stride.material * grid.n * (grid.degree + 1)
     places: dict[Surface, int] = {}
     for element in scene.element:
         for surface in element.surfaces:
             if surface in places:
                 continue
-            optics = scene.optics[surface]
-            packed = optics.row.pack(optics.packed())
-            padded = (*packed, *(0.0,) * (stride.material - len(packed)))
-            key = (surface.kind, padded)
-            places[surface] = rows.setdefault(key, len(rows) * stride.material)
+            values: list[float] = []
+            for row in grid.rows(numbers_of(scene, surface)):
+                values += [*row, *(0.0,) * (stride.material - len(row))]
+            places[surface] = rows.setdefault((surface.kind, tuple(values)), len(rows) * length)
     return [x for _, row in rows for x in row], places
 
 
 def surface_kinds(
-    kinds: Kinds, materials: dict[Surface, int], common: Common | None = None
+    kinds: Kinds,
+    materials: dict[Surface, int],
+    common: Common | None = None,
+    *,
+    divided: bool = False,
 ) -> tuple[SurfaceKind, ...]:
-    """Return the surface kinds that are compiled in, by name."""
+    """Return the surface kinds that are compiled in, by name.
+
+    `divided`: whether a material has several rows.
+    """
     several = common.several if common else frozenset()
     splitting = common.splitting if common else frozenset()
     rows: dict[str, set[int]] = {cls.kernel: set() for cls in kinds.surfaces}
@@ -314,7 +329,7 @@ def surface_kinds(
         SurfaceKind(
             kind,
             n,
-            single=len(rows[kind]) == 1 and kind not in several and not kinds.general,
+            single=not (len(rows[kind]) > 1 or kind in several or kinds.general or divided),
             absorbs=made[kind].absorbs,
             # of a class whose objects each say it, what the most that they say is
             splits=made[kind].splits is not False or kind in splitting,

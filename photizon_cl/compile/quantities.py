@@ -3,7 +3,8 @@
 ``ledger.escaped``, ``ledger.depth_capped``, ``ledger.roulette.killed`` and ``.boosted``, other rows
 that effects bring by their names, as ``ledger.absorbed_in.MEDIUM``, ``ledger.absorbed.NAME``,
 ``detectors.NAME.power`` and
-``detectors.NAME.ladder[g]`` are scalars: one cell of the tally. ``detectors.NAME.map`` and
+``detectors.NAME.ladder[g]`` are scalars: one cell of the tally. Where lines of a spectrum are told
+apart each has ``.by_wavelength[i]`` besides, and so has the map. ``detectors.NAME.map`` and
 ``far_field`` are many bins; as a target they stand for the median over those that are lit. Names
 are quoted where they need it, as in TOML: ``ledger.absorbed."wall -x"``.
 """
@@ -33,6 +34,7 @@ _ROWS: Final = {
     "boosted": "roulette.boosted",
 }
 """Quantities of the rows that every ledger has; others go by their own names."""
+_BY_LINE: Final = "by_wavelength"
 _FORM: Final = (
     "a quantity such as detectors.NAME.power, detectors.NAME.ladder[2], detectors.NAME.map, "
     "far_field, ledger.escaped or ledger.absorbed.NAME"
@@ -41,15 +43,22 @@ _FORM: Final = (
 
 def scalars(scene: Scene, layout: TallyLayout) -> Iterator[Quantity]:
     """Give every quantity that is one cell: the ledger, then the detectors."""
-    for n, element in enumerate(scene.element):
-        yield Quantity(f"ledger.absorbed.{quoted(element.name)}", n)
-    for name, cell in _rows(layout).items():
-        yield Quantity(f"ledger.{name}", cell)
+    names = {f"ledger.absorbed.{quoted(e.name)}": n for n, e in enumerate(scene.element)}
+    names |= {f"ledger.{name}": cell for name, cell in _rows(layout).items()}
+    for name, cell in names.items():
+        yield Quantity(name, cell)
+        for k in range(layout.parts if scene.spectrum else 0):
+            yield Quantity(f"{name}.{_BY_LINE}[{k}]", layout.part(cell, k))
     for d in layout.detectors:
         name = f"detectors.{quoted(scene.element[d.element].name)}"
         yield Quantity(f"{name}.power", d.power)
+        for k in range(d.wavelengths):
+            yield Quantity(f"{name}.power.{_BY_LINE}[{k}]", d.by_wavelength("power", k))
         for g in range(d.n_generations):
             yield Quantity(f"{name}.ladder[{g}]", d.ladder + g)
+            for k in range(d.wavelengths):
+                cell = d.by_wavelength("ladder", k) + g
+                yield Quantity(f"{name}.ladder[{g}].{_BY_LINE}[{k}]", cell)
 
 
 def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
@@ -77,7 +86,10 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
         parts = []
     if any(isinstance(part, int) for part in parts[:3]):  # objects have names here
         parts = []
-    if parts == ["far_field"]:
+    line = None
+    if len(parts) > 2 and parts[-2] == _BY_LINE and isinstance(parts[-1], int):
+        line, parts = parts[-1], parts[:-2]
+    if parts == ["far_field"] and line is None:
         if not layout.n_mu:
             raise ArgumentError(
                 f"{name}: found no far field in the scene, expected one: [far_field] adds it"
@@ -85,15 +97,16 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
         return Quantity("far_field", layout.far_field, layout.n_mu * layout.n_phi)
     if parts[:2] == ["ledger", "absorbed"] and len(parts) == 3:
         n = _element(str(parts[2]), scene, list(scene.element.names), "ledger.absorbed")
-        return Quantity(f"ledger.absorbed.{quoted(scene.element[n].name)}", n)
+        of = f"ledger.absorbed.{quoted(scene.element[n].name)}"
+        return _part(name, Quantity(of, n), line, scene, layout)
     if parts[:1] == ["ledger"]:
         rows = _rows(layout)
         row = ".".join(quoted(str(part)) for part in parts[1:])
         if row not in rows:
             raise unknown_name("ledger", row, [*rows, "absorbed.NAME"])
-        return Quantity(f"ledger.{row}", rows[row])
+        return _part(name, Quantity(f"ledger.{row}", rows[row]), line, scene, layout)
     if parts[:1] == ["detectors"] and len(parts) > 2:
-        return _of_detector(name, parts, scene, layout)
+        return _of_detector(name, parts, line, scene, layout)
     near = difflib.get_close_matches(name, [q.name for q in _some(scene, layout)], 1)
     hint = f" (did you mean {near[0]}?)" if near else ""
     raise ArgumentError(f"quantity: found {show(name)}, expected {_FORM}{hint}")
@@ -142,22 +155,54 @@ def _element(name: str, scene: Scene, names: list[str], what: str) -> int:
     return list(scene.element.names).index(name)
 
 
-def _of_detector(name: str, parts: list[str | int], scene: Scene, layout: TallyLayout) -> Quantity:
+def _part(
+    name: str, row: Quantity, line: int | None, scene: Scene, layout: TallyLayout
+) -> Quantity:
+    """Return what a line brings to a row of the ledger; the row itself without one."""
+    if line is None:
+        return row
+    if scene.spectrum is None:
+        raise ArgumentError(f"{name}: found no [spectrum] in the scene, expected one")
+    _check_line(name, line, layout.parts)
+    return Quantity(f"{row.name}.{_BY_LINE}[{line}]", layout.part(row.first, line))
+
+
+def _check_line(name: str, line: int, lines: int) -> None:
+    if line >= lines:
+        raise ArgumentError(f"{name}: found the line {line}, expected one below {lines}")
+
+
+def _of_detector(
+    name: str, parts: list[str | int], line: int | None, scene: Scene, layout: TallyLayout
+) -> Quantity:
     by_name = {scene.element[d.element].name: d for d in layout.detectors}
     n = _element(str(parts[1]), scene, list(by_name), "detectors")
     d = by_name[scene.element[n].name]
     stem = f"detectors.{quoted(scene.element[n].name)}"
+    by = ""
+    if line is not None:
+        if not d.wavelengths:
+            raise ArgumentError(
+                f"{name}: found no lines told apart on that detector, expected them: "
+                "wavelengths = true does so"
+            )
+        _check_line(name, line, d.wavelengths)
+        by = f".{_BY_LINE}[{line}]"
+
+    def first(tally: str, cell: int) -> int:
+        return cell if line is None else d.by_wavelength(tally, line)
+
     if parts[2:] == ["power"]:
-        return Quantity(f"{stem}.power", d.power)
+        return Quantity(f"{stem}.power{by}", first("power", d.power))
     if parts[2:] == ["map"]:
         if not d.nx:
             raise ArgumentError(
                 f"{name}: found no map on that detector, expected one: map = [nx, ny] adds it"
             )
-        return Quantity(f"{stem}.map", d.map, d.nx * d.ny)
+        return Quantity(f"{stem}.map{by}", first("map", d.map), d.nx * d.ny)
     if len(parts) == 4 and parts[2] == "ladder" and isinstance(parts[3], int):
         _check_generation(name, parts[3], d)
-        return Quantity(f"{stem}.ladder[{parts[3]}]", d.ladder + parts[3])
+        return Quantity(f"{stem}.ladder[{parts[3]}]{by}", first("ladder", d.ladder) + parts[3])
     raise ArgumentError(f"quantity: found {show(name)}, expected {stem}.power, .ladder[g] or .map")
 
 

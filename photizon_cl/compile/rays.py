@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final
 
@@ -10,25 +11,71 @@ from photizon_cl.errors import ArgumentError
 if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
 
-__all__ = ["LEAST_WEIGHT", "check_weights", "ray_weights", "share_rays"]
+__all__ = [
+    "LEAST_WEIGHT",
+    "Beam",
+    "beams_of",
+    "check_weights",
+    "ray_weights",
+    "rays_of_sources",
+    "share_rays",
+]
 
 LEAST_WEIGHT: Final = 1e-14
 """Least weight of a launched ray beside the heaviest; then good to 1e-15 in the tally."""
 
 
-def share_rays(scene: Scene, rays_per_batch: int) -> tuple[int, ...]:
-    """Divide a batch among the sources: each gets a fixed number of rays, at least one.
+@dataclass(frozen=True)
+class Beam:
+    """The rays of a source that are of one line or band of the spectrum; all of them without one.
 
-    A fixed division launches exactly the sources' flux in every batch (stratification); the
-    weight of a source's rays is its flux over their number, so every estimate stays unbiased.
+    Parameters
+    ----------
+    source : int
+        Number of the source.
+    line : int
+        Number of the line, 0 without a spectrum.
+    part : Fraction
+        Of the source's power.
     """
-    n = len(scene.source)
+
+    source: int
+    line: int
+    part: Fraction
+
+
+def beams_of(scene: Scene) -> tuple[Beam, ...]:
+    """Return what a scene's rays are divided among: sources in order, and lines that have power."""
+    found = []
+    for number, source in enumerate(scene.source):
+        powers = source.spectrum or (1.0,) * len(scene.wavelengths)
+        total = sum(map(Fraction, powers))
+        found += [
+            Beam(number, line, Fraction(power) / total)
+            for line, power in enumerate(powers)
+            if power
+        ]
+    return tuple(found)
+
+
+def share_rays(scene: Scene, rays_per_batch: int) -> tuple[int, ...]:
+    """Divide a batch among the beams: each gets a fixed number of rays, at least one.
+
+    A fixed division launches exactly the beams' power in every batch (stratification); the
+    weight of a beam's rays is its power over their number, so every estimate stays unbiased.
+    """
+    beams = beams_of(scene)
+    n = len(beams)
     if rays_per_batch < n:
+        what = f"{n} sources and each"
+        if scene.spectrum is not None:
+            what = f"{n} {scene.spectrum.word}s of sources that have power and each"
         raise ArgumentError(
-            f"rays_per_batch {rays_per_batch}: the scene {scene.name!r} has {n} sources and each "
+            f"rays_per_batch {rays_per_batch}: the scene {scene.name!r} has {what} "
             f"launches at least one ray in a batch; set rays_per_batch to {n} or more"
         )
-    shares = [Fraction(s.flux if s.share is None else s.share) for s in scene.source]
+    whole = [Fraction(s.flux if s.share is None else s.share) for s in scene.source]
+    shares = [whole[beam.source] * beam.part for beam in beams]
     total = sum(shares)
     free = rays_per_batch - n
     exact = [free * share / total for share in shares]
@@ -41,18 +88,33 @@ def share_rays(scene: Scene, rays_per_batch: int) -> tuple[int, ...]:
 
 
 def ray_weights(scene: Scene, rays: tuple[int, ...]) -> tuple[float, list[float]]:
-    """Return the watts of the heaviest rays, and each source's rays' weight relative to those."""
-    power = [s.flux / n for s, n in zip(scene.source, rays, strict=True)]
+    """Return the watts of the heaviest rays, and each beam's rays' weight relative to those."""
+    flux = [Fraction(source.flux) for source in scene.source]
+    # rounded once, as the quotient of two doubles is
+    power = [
+        float(flux[beam.source] * beam.part / n)
+        for beam, n in zip(beams_of(scene), rays, strict=True)
+    ]
     unit_power = max(power)
     return unit_power, [p / unit_power for p in power]
 
 
+def rays_of_sources(scene: Scene, rays: tuple[int, ...]) -> tuple[int, ...]:
+    """Return how many rays each source launches, given those of each beam."""
+    total = [0] * len(scene.source)
+    for beam, n in zip(beams_of(scene), rays, strict=True):
+        total[beam.source] += n
+    return tuple(total)
+
+
 def check_weights(scene: Scene, weights: list[float]) -> None:
     """Refuse rays so weak beside others that the tally's unit, 2^-95, would round them."""
-    for source, weight in zip(scene.source, weights, strict=True):
+    for beam, weight in zip(beams_of(scene), weights, strict=True):
         if weight < LEAST_WEIGHT:
+            of = "" if scene.spectrum is None else f" of {scene.spectrum.word} {beam.line}"
             raise ArgumentError(
-                f"source {source.name!r}: its rays carry {weight:.3g} of the power of the heaviest "
+                f"source {scene.source[beam.source].name!r}: its rays{of} carry {weight:.3g} of "
+                "the power of the heaviest "
                 f"ones, and the tally counts in units of 2^-95 of those (at least {LEAST_WEIGHT:g} "
                 "is needed): give the sources shares that even this out, or trace them apart"
             )

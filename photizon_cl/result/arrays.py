@@ -50,7 +50,10 @@ def dataset(result: Estimates) -> xr.Dataset:
     coordinates: Variables = {}
     _ledger(result, variables, coordinates)
     for name, detector in result.detectors.items():
-        _detector(name, _prefix(name, result), detector, variables, coordinates)
+        at = _prefix(name, result)
+        _detector(name, at, detector, variables, coordinates)
+        if detector.power.by_wavelength:
+            _by_wavelength(name, at, result, variables, coordinates)
     if result.far_field is not None:
         _far_field(result.far_field, variables, coordinates)
     for effect, cells in result.tallies.items():
@@ -103,6 +106,65 @@ def _ledger(result: Estimates, variables: Variables, coordinates: Variables) -> 
     variables["ledger.sigma"] = (dim, sigmas, {"units": "W", "long_name": "standard error"})
     closure = {"units": "W", "long_name": "closure", "comment": "emitted minus every other row"}
     variables["ledger.closure"] = ((), ledger.closure, closure)
+    if ledger.emitted.by_wavelength:
+        dims = (*_lines("ledger", result, variables, coordinates), *dim)
+        of_rows = [row.by_wavelength for _, row in rows]
+        power = {"units": "W", "long_name": "power", "comment": f"{_MEAN}, by wavelength"}
+        parts = np.array([[part.value for part in row] for row in of_rows]).T
+        variables["ledger.power_by_wavelength"] = (dims, parts, power)
+        errors = np.array([[_sigma(part) for part in row] for row in of_rows]).T
+        error = {"units": "W", "long_name": "standard error", "comment": "by wavelength"}
+        variables["ledger.sigma_by_wavelength"] = (dims, errors, error)
+
+
+def _lines(
+    at: str, result: Estimates, variables: Variables, coordinates: Variables
+) -> tuple[str, ...]:
+    """Add the wavelengths as a coordinate; return its dimension."""
+    spectrum = result.scene.spectrum
+    assert spectrum is not None
+    name = f"{at}.wavelength"
+    about = {"units": "nm", "long_name": "wavelength", "comment": f"of the {spectrum.word}s"}
+    coordinates[name] = ((name,), np.array(spectrum.middles_nm), about)
+    if spectrum.edges_nm is not None:
+        edges = {**about, "comment": "of the spectrum's bands", "bin": "edges"}
+        variables[f"{name}_edges"] = ((f"{name}_edge",), np.array(spectrum.edges_nm), edges)
+    return (name,)
+
+
+def _by_wavelength(
+    name: str, at: str, result: Estimates, variables: Variables, coordinates: Variables
+) -> None:
+    """Add what each line brings to a detector's power, ladder and map."""
+    detector = result.detectors[name]
+    dim = _lines(at, result, variables, coordinates)
+    about = {"element": name, "comment": "by wavelength"}
+    watts = {**about, "units": "W", "long_name": "power"}
+    error = {**about, "units": "W", "long_name": "standard error"}
+    count = {**about, "units": "1", "long_name": "arrivals"}
+    parts = detector.power.by_wavelength
+    end = "by_wavelength"
+    variables[f"{at}.power_{end}"] = (dim, np.array([e.value for e in parts]), watts)
+    variables[f"{at}.power_sigma_{end}"] = (dim, np.array([_sigma(e) for e in parts]), error)
+    variables[f"{at}.power_count_{end}"] = (dim, np.array([e.count for e in parts]), count)
+    if detector.ladder is not None:
+        dims = (*dim, f"{at}.generation")
+        of_rungs = [rung.by_wavelength for rung in detector.ladder]
+        values = np.array([[e.value for e in row] for row in of_rungs]).T
+        variables[f"{at}.ladder_{end}"] = (dims, values, watts)
+        errors = np.array([[_sigma(e) for e in row] for row in of_rungs]).T
+        variables[f"{at}.ladder_sigma_{end}"] = (dims, errors, error)
+        counts = np.array([[e.count for e in row] for row in of_rungs]).T
+        variables[f"{at}.ladder_count_{end}"] = (dims, counts, count)
+    if detector.map is not None:
+        maps, axes = detector.map.by_wavelength, detector.map.bins
+        dims = (*dim, f"{at}.{axes.y.axis.name}", f"{at}.{axes.x.axis.name}")
+        flux = {**about, "units": "W m-2"}
+        value = {**flux, "long_name": "irradiance"}
+        variables[f"{at}.irradiance_{end}"] = (dims, np.array([m.irradiance for m in maps]), value)
+        spread = {**flux, "long_name": "standard error"}
+        variables[f"{at}.sigma_{end}"] = (dims, np.array([m.sigma for m in maps]), spread)
+        variables[f"{at}.count_{end}"] = (dims, np.array([m.count for m in maps]), count)
 
 
 def _detector(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from photizon_cl.result.maps import Rung
     from photizon_cl.result.tallies import EffectTally
 
-__all__ = ["csv_text", "detectors_csv", "ledger_csv", "paths_csv", "tally_csv"]
+__all__ = ["csv_text", "detectors_csv", "ledger_csv", "paths_csv", "spectrum_csv", "tally_csv"]
 
 # With apostrophes and blanks before it: what is written can be told from what was so before. The
 # last four are the wide forms, which some spreadsheets take for the others.
@@ -44,6 +44,26 @@ def detectors_csv(result: Estimates) -> str:
                 yield (name, rung.generation, *_numbers(rung), rung.count)
 
     return csv_text(("detector", "generation", "value_W", "sigma_W", "count"), rows())
+
+
+def spectrum_csv(result: Estimates) -> str:
+    """Return what each line brings to the ledger's rows and the detectors' powers and ladders."""
+
+    def rows() -> Iterable[tuple[object, ...]]:
+        named: list[tuple[str, str, object, Estimate]] = [
+            ("ledger", name, "", row) for name, row in result.ledger.labelled_rows()
+        ]
+        for name, detector in result.detectors.items():
+            named.append(("detector", name, "", detector.power))
+            named += [("detector", name, r.generation, r) for r in detector.ladder or ()]
+        for what, name, generation, whole in named:
+            pairs = zip(result.scene.wavelengths, whole.by_wavelength, strict=False)
+            for nm, part in pairs:
+                count = "" if part.count is None else part.count
+                yield (what, name, generation, nm, *_numbers(part), count)
+
+    head = ("what", "name", "generation", "wavelength_nm", "value_W", "sigma_W", "count")
+    return csv_text(head, rows())
 
 
 def paths_csv(result: Estimates) -> str:

@@ -218,7 +218,7 @@ class Estimates:
             Where there is no such quantity, or it has many bins.
         """
         found = self._scalar(name)
-        cell = found.first
+        cell, layout = found.first, self.compiled.layout
         sigma = self.tally.standard_error(cell, 1)[0] * self.compiled.unit_power
         return Scalar.of(
             found.name,
@@ -226,7 +226,7 @@ class Estimates:
             watts(self.compiled, self.tally.exact(cell), self.batches),
             float(sigma) if self.batches > 1 else None,
             # the device counts arrivals at detectors alone
-            int(self.tally.counts(cell, 1)[0]) if cell >= self.compiled.layout.n_rows else None,
+            int(self.tally.counts(cell, 1)[0]) if layout.counts_arrivals(cell) else None,
         )
 
     @cached_property
@@ -238,7 +238,7 @@ class Estimates:
             values = kept.of(quantity.first)
             if values is not None:
                 count = None
-                if quantity.first >= layout.n_rows:
+                if layout.counts_arrivals(quantity.first):
                     count = int(self.tally.counts(quantity.first, 1)[0])
                     # of rays that split, many arrivals are of one ray
                     count = min(count, self.rays) if splits else count

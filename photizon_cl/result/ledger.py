@@ -58,16 +58,27 @@ class Estimate(float):
         Standard error of the mean, in watts; None with a single batch.
     count : int or None
         Arrivals, where they are counted.
+    by_wavelength : sequence of Estimate
+        What each line or band of the spectrum brings; empty where that is not told. Exact totals
+        add up to this one's.
     """
 
-    __slots__ = ("_count", "_sigma")
+    __slots__ = ("_by_wavelength", "_count", "_sigma")
     _sigma: float | None
     _count: int | None
+    _by_wavelength: tuple[Estimate, ...]
 
-    def __new__(cls, value: float, sigma: float | None, count: int | None = None) -> Self:
+    def __new__(
+        cls,
+        value: float,
+        sigma: float | None,
+        count: int | None = None,
+        by_wavelength: Sequence[Estimate] = (),
+    ) -> Self:
         """Make an estimate."""
         made = super().__new__(cls, value)
         made._sigma, made._count = sigma, count
+        made._by_wavelength = tuple(by_wavelength)
         return made
 
     @property
@@ -85,11 +96,18 @@ class Estimate(float):
         """Arrivals, where they are counted."""
         return self._count
 
+    @property
+    def by_wavelength(self) -> tuple[Estimate, ...]:
+        """What each line or band of the spectrum brings, in order; empty where it is not told."""
+        return self._by_wavelength
+
     def summary(self) -> dict[str, Any]:
         """Return the estimate as the summary holds it."""
         out: dict[str, Any] = {"value": self.value, "sigma": self.sigma}
         if self.count is not None:
             out["count"] = self.count
+        if self.by_wavelength:
+            out["by_wavelength"] = [part.summary() for part in self.by_wavelength]
         return out
 
     def __eq__(self, other: object) -> bool:
@@ -103,7 +121,7 @@ class Estimate(float):
     __hash__ = float.__hash__
 
     def __getnewargs__(self) -> tuple[Any, ...]:
-        return float(self), self._sigma, self._count
+        return float(self), self._sigma, self._count, self._by_wavelength
 
     def __str__(self) -> str:
         value, sigma = with_error(self.value, self.sigma)
@@ -198,38 +216,58 @@ class Ledger:
         """
         layout = compiled.layout
         totals = [tally.exact(cell) for cell in range(layout.n_rows)]
-        errors = tally.standard_error(0, layout.n_rows) * compiled.unit_power
-        of_balance = tally.standard_error(layout.n_cells, 1) * compiled.unit_power
-        known = tally.batches > 1
+        known, lines = tally.batches > 1, range(layout.parts)
 
-        def row(total: int, error: float) -> Estimate:
-            sigma = float(error) if known else None
-            return Estimate(watts(compiled, total, tally.batches), sigma)
+        def errors(first: int, n: int) -> list[float | None]:
+            if not known:
+                return [None] * n
+            return [*(tally.standard_error(first, n) * compiled.unit_power).tolist()]
+
+        sigmas = errors(0, layout.n_rows)
+        of_parts = errors(layout.divided, layout.n_rows * layout.parts)
+        # behind the cells, of all and then of each line
+        of_balance = errors(layout.n_cells, 1 + layout.parts)
+
+        def made(total: int, sigma: float | None, parts: Sequence[Estimate] = ()) -> Estimate:
+            return Estimate(watts(compiled, total, tally.batches), sigma, None, parts)
+
+        def row(cell: int, sign: int = 1) -> Estimate:
+            parts = [
+                made(sign * tally.exact(layout.part(cell, k)), of_parts[cell * layout.parts + k])
+                for k in lines
+            ]
+            return made(sign * totals[cell], sigmas[cell], parts)
 
         elements = enumerate(compiled.scene.element)
-        absorbed = Table(
-            "ledger.absorbed", ((e.name, row(totals[n], errors[n])) for n, e in elements)
-        )
+        absorbed = Table("ledger.absorbed", ((e.name, row(n)) for n, e in elements))
+        balances = [
+            made(
+                tally.exact(layout.part(layout.killed, k))
+                - tally.exact(layout.part(layout.boosted, k)),
+                of_balance[1 + k],
+            )
+            for k in lines
+        ]
         balance = totals[layout.killed] - totals[layout.boosted]
         emitted = compiled.emitted * tally.batches
+        exactly = 0.0 if known else None
+        launched = [made(compiled.emitted_parts[k] * tally.batches, exactly) for k in lines]
         n = layout.n_elements
         accounted = _accounted(layout, sum(totals[:n]), totals[n:])
         return cls(
-            emitted=Estimate(watts(compiled, emitted, tally.batches), 0.0 if known else None),
+            emitted=made(emitted, exactly, launched),
             absorbed=absorbed,
-            escaped=row(totals[layout.escaped], errors[layout.escaped]),
+            escaped=row(layout.escaped),
             roulette=Roulette(
-                row(totals[layout.killed], errors[layout.killed]),
-                row(totals[layout.boosted], errors[layout.boosted]),
-                row(balance, of_balance[0]),
+                row(layout.killed), row(layout.boosted), made(balance, of_balance[0], balances)
             ),
-            depth_capped=row(totals[layout.depth_capped], errors[layout.depth_capped]),
+            depth_capped=row(layout.depth_capped),
             closure=watts(compiled, emitted - accounted, tally.batches),
             worst_closure=watts(compiled, worst, 1),
             others=Table(
                 "ledger.others",
                 (
-                    (item.title, row(item.sign * totals[cell], errors[cell]))
+                    (item.title, row(cell, item.sign))
                     for cell, item in enumerate(layout.rows, n)
                     if item not in ROWS
                 ),

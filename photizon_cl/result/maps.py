@@ -12,6 +12,8 @@ from photizon_cl.result.path_table import PathTable
 from photizon_cl.result.statistics import LIT_COUNT, known_part
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from photizon_cl.compile.compiled import CompiledScene
@@ -39,9 +41,16 @@ class Rung(Estimate):
     __slots__ = ("_generation",)
     _generation: int
 
-    def __new__(cls, generation: int, value: float, sigma: float | None, count: int) -> Self:
+    def __new__(
+        cls,
+        generation: int,
+        value: float,
+        sigma: float | None,
+        count: int,
+        by_wavelength: Sequence[Estimate] = (),
+    ) -> Self:
         """Make an entry."""
-        made = super().__new__(cls, value, sigma, count)
+        made = super().__new__(cls, value, sigma, count, by_wavelength)
         made._generation = generation
         return made
 
@@ -85,6 +94,8 @@ class IrradianceMap:
         gives an array to be changed.
     bins : MapBins
         What the bins are.
+    by_wavelength : tuple of IrradianceMap
+        The same of each line or band of the spectrum; empty where that is not told.
     """
 
     irradiance: NDArray[np.float64]
@@ -92,6 +103,7 @@ class IrradianceMap:
     count: NDArray[np.int64]
     area: NDArray[np.float64]
     bins: MapBins
+    by_wavelength: tuple[IrradianceMap, ...] = ()
 
     def __repr__(self) -> str:
         lit = self.irradiance[self.lit]
@@ -186,23 +198,39 @@ class IrradianceMap:
     @classmethod
     def of(cls, compiled: CompiledScene, tally: Accumulator, d: DetectorCells) -> IrradianceMap:
         """Return the map of a detector that has one."""
-        element = compiled.scene.element[d.element]
+        bins = compiled.scene.element[d.element].map_bins(d.nx, d.ny)
+        lines = tuple(
+            cls._of(compiled, tally, d, d.by_wavelength("map", k), bins)
+            for k in range(d.wavelengths)
+        )
+        return cls._of(compiled, tally, d, d.map, bins, lines)
+
+    @classmethod
+    def _of(
+        cls,
+        compiled: CompiledScene,
+        tally: Accumulator,
+        d: DetectorCells,
+        first: int,
+        bins: MapBins,
+        by_wavelength: tuple[IrradianceMap, ...] = (),
+    ) -> IrradianceMap:
+        """Return the map whose cells begin at one of the tally's."""
         shape = (d.ny, d.nx)
         n = d.nx * d.ny
-        bins = element.map_bins(d.nx, d.ny)
         area = bins.areas
         none = np.equal(area, 0.0)
-        irradiance = tally.mean(d.map, n).reshape(shape)
-        sigma = tally.standard_error(d.map, n).reshape(shape)
+        irradiance = tally.mean(first, n).reshape(shape)
+        sigma = tally.standard_error(first, n).reshape(shape)
         # the largest power on the least bin is infinite, and where there is no area it is nothing
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             for values in (irradiance, sigma):  # in place: they may take half a gigabyte each
                 values *= compiled.unit_power
                 values /= area
                 values[none] = np.nan
-        count = tally.counts(d.map, n).reshape(shape).copy()
+        count = tally.counts(first, n).reshape(shape).copy()
         closed(irradiance, sigma, count)
-        return cls(irradiance, sigma, count, area, bins)
+        return cls(irradiance, sigma, count, area, bins, by_wavelength)
 
 
 def closed(*arrays: NDArray[Any]) -> None:
@@ -264,7 +292,15 @@ class DetectorResult:
     ) -> DetectorResult:
         """Return what the detector of a number shows after the batches of `tally`."""
 
-        def estimates(first: int, n: int) -> list[Estimate]:
+        def estimates(name: str, first: int, n: int) -> list[Estimate]:
+            lines = [cells(d.by_wavelength(name, line), n) for line in range(d.wavelengths)]
+            whole = cells(first, n)
+            return [
+                Estimate(e.value, e.sigma, e.count, [line[k] for line in lines])
+                for k, e in enumerate(whole)
+            ]
+
+        def cells(first: int, n: int) -> list[Estimate]:
             errors = tally.standard_error(first, n) * compiled.unit_power
             counts = tally.counts(first, n)
             known = tally.batches > 1
@@ -280,10 +316,10 @@ class DetectorResult:
         ladder = None
         if d.n_generations:
             ladder = tuple(
-                Rung(g, e.value, e.sigma, e.count or 0)
-                for g, e in enumerate(estimates(d.ladder, d.n_generations))
+                Rung(g, e.value, e.sigma, e.count or 0, e.by_wavelength)
+                for g, e in enumerate(estimates("ladder", d.ladder, d.n_generations))
             )
-        power = estimates(d.power, 1)[0]
+        power = estimates("power", d.power, 1)[0]
         found = IrradianceMap.of(compiled, tally, d) if d.nx else None
         table = PathTable.of(compiled, tally, d, number, trails) if d.paths else None
         return cls(power, ladder, found, table)

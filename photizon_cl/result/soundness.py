@@ -83,7 +83,8 @@ def check_shapes(variables: Mapping[str, Any], layout: TallyLayout, file_bytes: 
         if name not in variables:
             raise ValueError(f"it holds no {name}")
         found = variables[name]
-        more = 1 if kind == "f8" else 0  # the roulette balance has an error of its own
+        # the roulette balance has an error of its own, in whole and in parts
+        more = 1 + layout.parts if kind == "f8" else 0
         # the first version had no cell of its own for interactions
         lengths = (n + more,) if sparse else (n + more, n + more - 1)
         fits = tuple(found.shape) in [(length, *ends) for length in lengths]
@@ -287,6 +288,7 @@ def check_tally(
     least = -float(limit * compiled.emitted) * 2.0**UNIT_EXPONENT
     lowest = np.full(n, least)
     signed = [layout.row(row.name) for row in layout.rows if row.signed]
+    signed += [layout.part(cell, k) for cell in signed for k in range(layout.parts)]
     if state.cells is not None:
         signed = np.flatnonzero(np.isin(state.cells, signed)).tolist()
     lowest[signed] = -math.inf
@@ -313,3 +315,7 @@ def check_tally(
     missed = batches * compiled.emitted - sum(s * t for s, t in zip(signs, totals, strict=True))
     if abs(missed) > limit * batches * compiled.emitted:
         raise ValueError("its ledger does not close")
+    for row in range(layout.n_rows if layout.parts else 0):
+        parts = [tally.exact(layout.part(row, k)) for k in range(layout.parts)]
+        if sum(parts) != totals[row]:
+            raise ValueError("its ledger's parts by wavelength are not their sum")

@@ -64,10 +64,10 @@ def exact_sum(cells: NDArray[np.int64]) -> tuple[int, int]:
 def complete(
     layout: TallyLayout, cells: NDArray[np.int64] | SparseTally
 ) -> NDArray[np.int64] | SparseTally:
-    """Fill the power cells that a device leaves to the host.
+    """Fill the cells that a device leaves to the host.
 
     Where a detector has tallies, each arrival is in exactly one cell of each, and the device counts
-    it only there.
+    it only there. Where the ledger's rows are divided, the device books their parts alone.
 
     Parameters
     ----------
@@ -87,9 +87,9 @@ def complete(
         Where two tallies of a detector disagree, which is a defect of the engine.
     """
     partial = [d for d in layout.detectors if d.tallies]
-    if not partial:
+    if not partial and not layout.parts:
         return cells
-    powers: dict[int, NDArray[np.int64]] = {}
+    powers = _undivided(layout, cells)
     for d in partial:
         first, *others = (some_of(cells, t.first, t.size) for t in d.tallies)
         for tally, parts in zip(d.tallies[1:], others, strict=True):
@@ -106,6 +106,17 @@ def complete(
     for cell, power in powers.items():
         out[cell] = power
     return out
+
+
+def _undivided(
+    layout: TallyLayout, cells: NDArray[np.int64] | SparseTally
+) -> dict[int, NDArray[np.int64]]:
+    """Return the rows of the ledger that are the sums of parts, by cell."""
+    if not layout.parts:
+        return {}
+    shape = (layout.n_rows, layout.parts, CELL)
+    parts = whole_of(cells, layout.divided, layout.n_rows * layout.parts).reshape(shape)
+    return dict(enumerate(canonical(parts.sum(axis=1))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,6 +311,10 @@ class Accumulator:
     @classmethod
     def _of(cls, layout: TallyLayout, state: AccumulatorState | None) -> Accumulator:
         balance = [(layout.killed, layout.boosted)]
+        balance += [
+            (layout.part(layout.killed, k), layout.part(layout.boosted, k))
+            for k in range(layout.parts)
+        ]
         counted_in = (layout.interactions, layout.depth_capped)
         if state is None:
             return cls(layout.n_cells, balance, counted_in, layout.scalars)

@@ -238,7 +238,13 @@ def _figures_of(result: Estimates, folder: Path) -> set[str]:
 
 def _write_all(result: Estimates, folder: Path) -> None:
     """Write every file but the figures; what is made from a result is never beside another's."""
-    from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, paths_csv, tally_csv
+    from photizon_cl.result.csv_tables import (
+        detectors_csv,
+        ledger_csv,
+        paths_csv,
+        spectrum_csv,
+        tally_csv,
+    )
     from photizon_cl.result.recipe import RecipeText
 
     with replacing(folder / ARRAYS) as temporary:
@@ -255,6 +261,8 @@ def _write_all(result: Estimates, folder: Path) -> None:
         tables["detectors.csv"] = detectors_csv(result)
     if result.compiled.layout.most_paths:
         tables["paths.csv"] = paths_csv(result)
+    if result.scene.spectrum is not None:
+        tables["spectrum.csv"] = spectrum_csv(result)
     tables |= {tally_file(effect): tally_csv(cells) for effect, cells in result.tallies.items()}
     for name, text in tables.items():
         with replacing(folder / name) as temporary:

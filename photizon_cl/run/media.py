@@ -82,7 +82,7 @@ def clashing_media(scene: Scene, device: DeviceRecord | str | None = None) -> li
     run = dataclasses.replace(scene.run, roulette_floor=0.0)
     found = paths(
         without_bins(dataclasses.replace(scene, run=run)),
-        max(_RAYS, len(scene.source)),
+        max(_RAYS, scene.fewest_rays),
         _SEED,
         generation_cap=min(run.generation_cap, _CAP),
         max_segments=_SEGMENTS,
@@ -98,7 +98,8 @@ class _Walk:
         self.scene, self.found = scene, found
         self.places = _Places(scene)
         self.indices = self.places.indices
-        of_sources = {scene.index_of[s.medium] for s in scene.source} if scene.names_media else ()
+        index_of = scene.index_of(scene.reference_nm)
+        of_sources = {index_of[s.medium] for s in scene.source} if scene.names_media else ()
         self.launched_in = next(iter(of_sources)) if len(of_sources) == 1 else None
         """Index of the medium that all sources are in, where the scene says so."""
         self.clashes: dict[tuple[int, float, int, float], _Meeting]

@@ -14,7 +14,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.errors import PhotizonError
-from photizon_cl.result.csv_tables import detectors_csv, ledger_csv, paths_csv, tally_csv
+from photizon_cl.result.csv_tables import (
+    detectors_csv,
+    ledger_csv,
+    paths_csv,
+    spectrum_csv,
+    tally_csv,
+)
 from photizon_cl.result.estimates import RESULT_SCHEMA
 from photizon_cl.result.file import read_scene_text
 from photizon_cl.result.recipe import RecipeText
@@ -58,6 +64,7 @@ _HEADS: Final = {
     "ledger.csv": "row,value_W,sigma_W,share",
     "detectors.csv": "detector,generation,value_W,sigma_W,count",
     "paths.csv": "detector,rank,sequence,value_W",
+    "spectrum.csv": "what,name,generation,wavelength_nm",
     **{tally_file(effect.name): "label,value_" for effect in EFFECTS},
 }
 """The tables, and how each begins."""
@@ -169,6 +176,8 @@ def _table(name: str, result: Estimates) -> str:
         return detectors_csv(result)
     if name == "paths.csv":
         return paths_csv(result)
+    if name == "spectrum.csv":
+        return spectrum_csv(result)
     return next(tally_csv(cells) for e, cells in result.tallies.items() if tally_file(e) == name)
 
 

@@ -65,7 +65,7 @@ def outlay(
         Where there is no usable device, or it fails, or the scene cannot be traced at all.
     """
     run = scene.run
-    rays = max(min(_RAYS, run.rays_per_batch), len(scene.source))
+    rays = max(min(_RAYS, run.rays_per_batch), scene.fewest_rays)
     compiled = compile_scene(
         scene, dataclasses.replace(run, rays_per_batch=rays), precision=precision
     )

@@ -101,7 +101,7 @@ def paths(
     picked = ending_on is not None or ray_numbers is not None
     if via and ending_on is None:
         raise ArgumentError("via: give ending_on as well, the element that the paths end on")
-    least = 1 if picked else max(len(loaded.source), 1)
+    least = 1 if picked else max(loaded.fewest_rays, 1)
     n_rays = _whole("rays", rays, least, MAX_RAYS_PER_BATCH)
     most = _whole("max_segments", max_segments, 1, _MOST_SEGMENTS)
     per_batch = None if picked else n_rays

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final
@@ -14,7 +15,13 @@ from hostcode.run.wavefront import Engine
 from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.effects.table import EFFECTS
-from photizon_cl.compile.rays import LEAST_WEIGHT, ray_weights, share_rays
+from photizon_cl.compile.rays import (
+    LEAST_WEIGHT,
+    beams_of,
+    ray_weights,
+    rays_of_sources,
+    share_rays,
+)
 from photizon_cl.errors import PhotizonError
 from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
 from photizon_cl.run.distribution import device_failures, open_chosen
@@ -81,7 +88,7 @@ def pilot(
         Where there is no usable device, or it fails, or the scene cannot be traced at all.
     """
     cap = scene.run.generation_cap
-    rays = max(_RAYS, len(scene.source))
+    rays = max(_RAYS, scene.fewest_rays)
     settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
     flight = _Flight(_compiled(without_bins(scene), settings, precision), device, plan, stop)
     left: list[tuple[int, float]] = []
@@ -119,7 +126,7 @@ def counted_by_pilot(
     ArgumentError, RunError
         As `pilot` does.
     """
-    rays = max(_RAYS, len(scene.source))
+    rays = max(_RAYS, scene.fewest_rays)
     settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
     compiled = _compiled(without_bins(scene), settings, precision)
     counting = [group for group in compiled.layout.groups if group.counted_as]
@@ -172,14 +179,18 @@ def _compiled(scene: Scene, settings: RunSettings, precision: str) -> CompiledSc
     source is some 10^-12 of the power all the same.
     """
     rays = share_rays(scene, settings.rays_per_batch)
-    unit_power, weights = ray_weights(scene, rays)
+    _, of_beams = ray_weights(scene, rays)
+    rays = rays_of_sources(scene, rays)
+    weights = [math.inf] * len(rays)
+    for beam, weight in zip(beams_of(scene), of_beams, strict=True):
+        weights[beam.source] = min(weights[beam.source], weight)
     least = _ENOUGH * LEAST_WEIGHT
     if min(weights) < least:
         # shares are what they were, whatever the flux is now
         sources = tuple(
             dataclasses.replace(
                 source,
-                flux=source.flux if weight >= least else least * unit_power * n,
+                flux=source.flux if weight >= least else source.flux * (least / weight),
                 share=source.flux if source.share is None else source.share,
             )
             for source, weight, n in zip(scene.source, weights, rays, strict=True)

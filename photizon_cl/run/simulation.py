@@ -125,10 +125,10 @@ def trace(
     )
     fitting_mode(precision, as_run)
     goal = goal_of(as_run, batches, target, max_seconds)
-    if as_run.run.rays_per_batch < len(as_run.source):
+    if as_run.run.rays_per_batch < as_run.fewest_rays:
         raise ArgumentError(
             f"rays_per_batch: found {as_run.run.rays_per_batch}, expected at least "
-            f"{len(as_run.source)}, one for each source"
+            f"{as_run.fewest_rays}, one for each {as_run.ray_needs}"
         )
     compiled = compile_scene(as_run, as_run.run, precision=precision)
     tally = Accumulator.of(compiled.layout)

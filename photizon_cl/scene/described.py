@@ -80,6 +80,10 @@ class Described:
     usual: ClassVar[Mapping[str, Any]] = MappingProxyType({})
     """What there is where nothing is said, of parameters whose default is None since another one
     may stand for them; `REQUIRED` where nothing is."""
+    one_value: ClassVar[bool] = False
+    """Whether it is one value, which is checked and read as such."""
+    over_wavelength: ClassVar[bool] = False
+    """Whether it depends on wavelength, which the scene's ``[spectrum]`` then gives."""
     foreseen: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """Keys that the format will have and that are refused so far: what to do without them."""
 
@@ -141,7 +145,7 @@ class Described:
 
 
 def _known(value: object) -> Any:
-    if isinstance(value, Described):
+    if isinstance(value, Described) and not value.one_value:
         cls = type(value)
         return Known(cls, {item: _known(getattr(value, item)) for item in parameters_of(cls)})
     if isinstance(value, tuple):

@@ -28,6 +28,8 @@ from photizon_cl.scene.parameters import declare, free_text, unique_name
 from photizon_cl.scene.reader import SCHEMA, read_scene
 from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import Source
+from photizon_cl.scene.spectral import spectral_problems
+from photizon_cl.scene.spectrum import Spectrum
 from photizon_cl.scene.writing import save_scene
 
 if TYPE_CHECKING:
@@ -73,6 +75,8 @@ class Scene(Described):
         Free text.
     medium : sequence of Medium, optional
         What bodies are made of, by names that surfaces and sources call; found by name as well.
+    spectrum : Spectrum, optional
+        The wavelengths of its light; None where nothing depends on wavelength.
 
     Raises
     ------
@@ -110,6 +114,10 @@ class Scene(Described):
         default=_NO_MEDIA,
         metadata=declare(NestedList(Medium, 0, meaning="what is in bodies and around them")),
     )
+    spectrum: Spectrum | None = field(
+        default=None,
+        metadata=declare(Nested(Spectrum, meaning="the wavelengths of its light")),
+    )
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
@@ -119,6 +127,7 @@ class Scene(Described):
         problems = between_objects(sources, elements)
         problems += _duplicates(Medium.label, media)
         problems += media_of(media, source=sources, element=elements)
+        problems += spectral_problems(known, ("source", "element", Medium.label))
         return problems + targets_of(known.get(Importance.label), elements)
 
     @property
@@ -202,15 +211,53 @@ class Scene(Described):
         return _FLOOR if self.splits(run) else 0.0
 
     @property
-    def index_of(self) -> dict[str, float]:
-        """Refractive indices of the media by name, the vacuum's among them."""
-        return {VACUUM: 1.0, **{medium.name: medium.index for medium in self.medium}}
+    def wavelengths(self) -> tuple[float | None, ...]:
+        """Wavelengths in nm of lines, or middles of bands; a single None without a spectrum."""
+        return (None,) if self.spectrum is None else self.spectrum.middles_nm
+
+    @property
+    def reference_nm(self) -> float | None:
+        """The wavelength in nm at which a single number is told; None without a spectrum."""
+        return None if self.spectrum is None else self.wavelengths[self.spectrum.reference]
+
+    @property
+    def fewest_rays(self) -> int:
+        """Rays of a batch at least: one of each source, and of each line in which it has power."""
+        n = len(self.wavelengths)
+        return sum(n if s.spectrum is None else sum(map(bool, s.spectrum)) for s in self.source)
+
+    @property
+    def ray_needs(self) -> str:
+        """What has one ray of a batch at least, for messages."""
+        if self.spectrum is None:
+            return "source"
+        return f"{self.spectrum.word} of a source that has power"
+
+    def index_of(self, nm: float | None) -> dict[str, float]:
+        """Return refractive indices of the media by name, the vacuum's among them.
+
+        Parameters
+        ----------
+        nm : float or None
+            Wavelength in nanometres; None without a spectrum.
+        """
+        return {VACUUM: 1.0, **{medium.name: medium.index_at(nm) for medium in self.medium}}
+
+    def optics_at(self, nm: float | None) -> dict[Surface, Surface]:
+        """Return the elements' surfaces, each with numbers for media and tables over wavelength.
+
+        Parameters
+        ----------
+        nm : float or None
+            Wavelength in nanometres; None without a spectrum.
+        """
+        index_of = self.index_of(nm)
+        return {s: s.among(index_of).at(nm) for element in self.element for s in element.surfaces}
 
     @cached_property
     def optics(self) -> dict[Surface, Surface]:
-        """The elements' surfaces, each with numbers where it names media."""
-        index_of = self.index_of
-        return {s: s.among(index_of) for element in self.element for s in element.surfaces}
+        """`optics_at` the one wavelength that stands for all."""
+        return self.optics_at(self.reference_nm)
 
     @property
     def names_media(self) -> bool:

@@ -55,6 +55,8 @@ class Parameter(ABC):
 
     silent: bool = False
     """Whether it is written and shown only where it is another than its default."""
+    needs_spectrum: bool = False
+    """Whether the scene must have ``[spectrum]`` where it is given."""
 
     def __init__(self, meaning: str = "", unit: str = "") -> None:
         self.meaning = meaning
@@ -463,6 +465,13 @@ def choice(options: Sequence[str], meaning: str) -> dict[str, Parameter]:
 def flag(meaning: str) -> dict[str, Parameter]:
     """Declare true or false."""
     return declare(Flag(meaning))
+
+
+def spectral_flag(meaning: str) -> dict[str, Parameter]:
+    """Declare true or false, where true needs the scene's ``[spectrum]``."""
+    parameter = Flag(meaning)
+    parameter.needs_spectrum = True
+    return declare(parameter)
 
 
 def words(meaning: str) -> dict[str, Parameter]:

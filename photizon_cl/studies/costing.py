@@ -223,7 +223,7 @@ class Study:
             Where none ended in a quarter of the time.
         """
         usual = self.given.run.rays_per_batch
-        few = max(_FEWEST_RAYS, len(self.given.source))
+        few = max(_FEWEST_RAYS, self.given.fewest_rays)
         for rays in dict.fromkeys((usual, min(usual, few))):
             run = dataclasses.replace(self.given.run, rays_per_batch=rays)
             scene = dataclasses.replace(self.given, run=run)
@@ -258,7 +258,7 @@ class Study:
         rays = least = scene.run.rays_per_batch
         pace = first.pace
         while pace * rays / least * _LEAST > share and rays // 2 >= max(
-            _FEWEST_RAYS, len(scene.source)
+            _FEWEST_RAYS, scene.fewest_rays
         ):
             rays //= 2
         if rays == scene.run.rays_per_batch:

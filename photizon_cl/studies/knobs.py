@@ -104,7 +104,7 @@ def _splitting(scene: Scene, cap: int) -> Iterator[Option]:
 def _batch(scene: Scene, cap: int) -> Iterator[Option]:
     own = scene.run.rays_per_batch
     for value in (own // 8, own * 8):
-        if max(len(scene.source), 1) <= value <= MAX_RAYS_PER_BATCH:
+        if max(scene.fewest_rays, 1) <= value <= MAX_RAYS_PER_BATCH:
             yield _with(scene, "rays_per_batch", value, f"batch {value}")
 
 

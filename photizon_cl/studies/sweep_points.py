@@ -139,10 +139,10 @@ class _Check:
             scene = self.plan.scene_at(number)
             fitting_mode(precision, scene)
             _goal(self.plan, scene)
-            if scene.run.rays_per_batch < len(scene.source):
+            if scene.run.rays_per_batch < scene.fewest_rays:
                 raise ArgumentError(
                     f"rays_per_batch: found {scene.run.rays_per_batch}, expected at least "
-                    f"{len(scene.source)}, one for each source"
+                    f"{scene.fewest_rays}, one for each {scene.ray_needs}"
                 )
             compiled = compile_scene(scene, scene.run, precision=precision)
         except SceneError as error:

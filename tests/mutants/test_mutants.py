@@ -24,6 +24,8 @@ from oracles import (
     media,
     packets,
     scattering,
+    spectra,
+    spectra_scatter,
     trails,
 )
 from oracles.engine import scene_of, trace
@@ -604,6 +606,51 @@ MUTANTS = (
         'every medium is the right one',
         {'media.wrong': 'NO_LANES'},
         media.wrong,
+    ),
+    Mutant(
+        'all rays are of the first line',
+        {'spectrum.line': '0L'},
+        spectra.prism,
+    ),
+    Mutant(
+        'all rays of a band have the wavelength of its beginning',
+        {'spectrum.in_band': 'splat(0.0)'},
+        spectra.prism_of_bands,
+    ),
+    Mutant(
+        'what depends on wavelength is that of where pieces begin',
+        {'spectrum.number': 'gather(material->table + column, material->row)'},
+        spectra.prism_of_bands,
+    ),
+    Mutant(
+        'the ledger books every line as the first',
+        {'spectrum.booked': 'lsplat(0L)'},
+        spectra.tables,
+    ),
+    Mutant(
+        'a medium absorbs every line as the first',
+        {'media.line': 'p->medium * (long)launch->lines'},
+        spectra.tables,
+    ),
+    Mutant(
+        'a detector counts every line as the first',
+        {'wavelength.line': '0L'},
+        spectra.tables,
+    ),
+    Mutant(
+        'a medium absorbs as where pieces of bands begin',
+        {'media.along': '(wide)(0.0)'},
+        spectra_scatter.nested_of_bands,
+    ),
+    Mutant(
+        'a mirror that scatters reflects as where pieces of bands begin',
+        {'spectrum.weight': 'gather_weight(material->table + column, material->row)'},
+        spectra_scatter.scattering_of_bands,
+    ),
+    Mutant(
+        'what is scattered at glass and mirrors is of the first line',
+        {'spectrum.line': '0L'},
+        spectra_scatter.scattering_of_lines,
     ),
 )  # fmt: skip
 

@@ -132,7 +132,7 @@ class Traced:
         """Return each batch's closure as a fraction of what it emitted."""
         layout, found = self.compiled.layout, []
         for cells in self.batches:
-            rows = exact(cells[: layout.n_rows])
+            rows = exact(complete(layout, cells)[: layout.n_rows])
             named = zip(layout.rows, rows[layout.n_elements :], strict=True)
             taken = sum(rows[: layout.n_elements]) + sum(row.sign * n for row, n in named)
             found.append(Fraction(self.compiled.emitted - taken, self.compiled.emitted))

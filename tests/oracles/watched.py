@@ -54,10 +54,20 @@ for _surface, _lobe in (
     _SURFACES[f"{_surface}, {_lobe}"] = {**_SURFACES[_surface], "scatter": _LOBES[_lobe]}
 
 
-def every_kind() -> dict[str, Any]:
+_OVER_NM: Final = {"wavelength_nm": [400.0, 550.0, 700.0], "value": [0.9, 0.7, 0.8]}
+_LIGHT: Final[dict[str, dict[str, Any]]] = {
+    "lines": {"wavelengths_nm": [450.0, 550.0, 650.0]},
+    "bands": {"edges_nm": [420.0, 500.0, 700.0]},
+}
+"""The spectra of which a case may be."""
+
+
+def every_kind(light: str = "") -> dict[str, Any]:
     """Return the tables of a scene with every kind of element, surface, source and tally.
 
-    Each element is a metre from the middle, where the sources are, in a round room with a port.
+    Each element is a metre from the middle, where the sources are, in a round room with a port. Of
+    ``lines`` or ``bands`` glass disperses, a medium, mirrors and walls have tables over wavelength,
+    and detectors tell lines apart.
     """
     elements = [
         ("+x", "-x", "black", {"kind": "rectangle", "half_width": 0.4, "half_height": 0.3},
@@ -102,12 +112,23 @@ def every_kind() -> dict[str, Any]:
         if detector is not None:
             row["detector"] = detector
         rows.append(row)
+    dyed: dict[str, Any] = {"name": "dyed", "index": 1.4, "absorption_per_m": 0.5}
+    if light:
+        per_m = {"wavelength_nm": [450.0, 600.0], "per_m": [0.2, 0.9]}
+        cauchy = {"kind": "cauchy", "A": 1.38, "B_um2": 0.006}
+        dyed = {"name": "dyed", "dispersion": cauchy, "absorption_per_m": per_m}
+        for row in rows:
+            if "reflectance" in row["surface"]:
+                row["surface"] = {**row["surface"], "reflectance": _OVER_NM}
+            if "detector" in row:
+                row["detector"] = {**row["detector"], "wavelengths": True}
     return {
         "schema": "photizon/1",
         "name": "every kind",
+        **({"spectrum": _LIGHT[light]} if light else {}),
         "run": {"roulette_floor": 0.05, "generation_cap": 6},
         "far_field": {"n_mu": 3, "n_phi": 4},
-        "medium": [{"name": "dyed", "index": 1.4, "absorption_per_m": 0.5}],
+        "medium": [dyed],
         # a rectangle, a disk and a ball
         "importance": {"toward": ["element 0", "element 1", "element 6"], "weights": [1, 2, 3]},
         "source": [
@@ -123,11 +144,13 @@ def every_kind() -> dict[str, Any]:
 class Case:
     """What is traced, and how.
 
-    `broken` is what stands at points of the kernels instead; `unset` is whether to look for values
-    that were never set.
+    Without the name of a scene it is that of every kind, of a `light` or of none. `broken` is what
+    stands at points of the kernels instead; `unset` is whether to look for values that were never
+    set.
     """
 
     scene: str = ""
+    light: str = ""
     rays: int = 14
     batches: int = 1
     plan: dict[str, Any] = field(default_factory=dict)
@@ -146,6 +169,7 @@ CASES: Final[dict[str, Case]] = {
     "every kind, through a tree": Case(rays=7, force=TREE),
     "every kind, stage by stage": Case(rays=7, plan={"composition": "classical"}),
     "every kind, ray by ray": Case(rays=7, by_ray=True),
+    "every kind, of bands": Case(light="bands", rays=12),
     "4 lanes": Case(LADDER, 2, plan={"lanes": 4}),
     "a kernel a path": Case(LADDER, 2, plan={"composition": "whole-path"}),
     "copies of the tally": Case("box-room", 8, 2, {"tally_copies": 2, "wave_rays": 16}),
@@ -158,6 +182,9 @@ MORE: Final[dict[str, Case]] = {
     "every kind, 8 in turn through a tree": Case(
         rays=7, force=TREE, plan={"lanes": 8, "cached_bytes": 1}
     ),
+    "every kind, of lines": Case(light="lines", rays=18),
+    "every kind, of bands, ray by ray": Case(light="bands", rays=12, by_ray=True),
+    "every kind, of bands, 4 lanes": Case(light="bands", rays=12, plan={"lanes": 4}),
     "every kind, 8 lanes": Case(plan={"lanes": 8, "refill": 2}),
     "every kind, 16 lanes": Case(plan={"lanes": 16, "refill": 4}, unset=False),
     "every kind, a kernel a path": Case(plan={"composition": "whole-path"}),
@@ -170,7 +197,7 @@ MORE: Final[dict[str, Case]] = {
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
         "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
-        "scattering-mirror",
+        "scattering-mirror", "dispersing-prism",
     )},
 }  # fmt: skip
 """What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its
@@ -199,7 +226,7 @@ def digest(name: str, device: Any = None) -> str:
     """Trace a case, or probe and follow its rays, and return a digest of what came out."""
     case = ALL[name]
     device = device or open_device()
-    scene = load(case.scene or every_kind())
+    scene = load(case.scene or every_kind(case.light))
     made = compiled(scene, case.force, rays_per_batch=case.rays)
     if case.by_ray:
         return _digest(by_ray(device, made.tables, case.rays))

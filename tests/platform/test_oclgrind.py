@@ -75,8 +75,10 @@ def test_the_scene_has_every_kind():
     assert kinds(row["surface"] for row in scene["element"]) == set(SURFACES)
     lobes = [row["surface"].get("scatter") for row in scene["element"]]
     assert kinds(lobe for lobe in lobes if lobe) == set(SCATTERS)
-    made = watched.compiled(watched.load(scene))
-    stems = {stem for form in made.tables.spec.forms for stem, _ in form.filters}
+    stems = set()
+    for light in ("", "lines", "bands"):
+        made = watched.compiled(watched.load(watched.every_kind(light)))
+        stems |= {stem for form in made.tables.spec.forms for stem, _ in form.filters}
     assert stems == set(FILTERS)
     assert set(preset_names()) <= set(watched.MORE)
 

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.usefixtures("one_lane")
 NEW = (
     "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
     "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
-    "scattering-mirror",
+    "scattering-mirror", "dispersing-prism",
 )  # fmt: skip
 
 

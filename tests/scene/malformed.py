@@ -291,7 +291,8 @@ CASES = [
     one("detector as bool", (*E0, "detector"), True, "element[0].detector", "true",
         "a table for the detector"),
     one("detector key", (*E0, "detector", "bins"), 3, "element[0].detector.bins", "3",
-        "no such key; the detector table takes map, generations, paths, side"),
+        "no such key; the detector table takes map, generations, paths, wavelengths, "
+        "side"),
     # --- sources -------------------------------------------------------------------------------
     one("source kind", (*S0, "kind"), "laser", "source[0].kind", '"laser"',
         'one of "isotropic-point" "cosine-point" "lambertian-disk" "lambertian-sphere"'),

@@ -78,6 +78,9 @@ def same_cells(found: Traced, plain: Traced) -> bool:
     for group in found.compiled.layout.groups:
         if group.effect not in groups:
             keep[group.first : group.first + math.prod(group.shape)] = False
+    layout = found.compiled.layout
+    if layout.parts and not plain.compiled.layout.parts:
+        keep[layout.divided : layout.divided + layout.n_rows * layout.parts] = False
     return found.cells[keep].tobytes() == plain.cells.tobytes()
 
 
@@ -95,10 +98,15 @@ def turned(kind: str) -> Any:
 def everything() -> pz.Scene:
     """Return a scene with every element, surface and source, turned, in a room that lights them.
 
+    There are two wavelengths.
+
     Elements stand on a grid, wide enough that none touch; sources in the middles of its cells,
     with shares that are not their fluxes'. What can have a map has one, and a ladder.
     """
-    black = {"surface": pz.Absorber(), "detector": pz.Detector(map=(5, 3), generations=4)}
+    black = {
+        "surface": pz.Absorber(),
+        "detector": pz.Detector(map=(5, 3), generations=4, wavelengths=True),
+    }
     shapes = [of_kind(shown("element", kind), "element", kind) for kind in ELEMENTS]
     rest = [kind for kind in SURFACES if kind != "absorber"]
     rest.sort(key=lambda kind: not SURFACES[kind].refracts)
@@ -134,7 +142,7 @@ def everything() -> pz.Scene:
     ]  # fmt: skip
     room = pz.Sphere(
         name="room", position=(0.0, 0.0, 0.0), axis="+z", radius=3.0 * step, port_fraction=0.05,
-        surface=pz.Lambertian(reflectance=0.95),
+        surface=pz.Lambertian(reflectance=pz.Curve([400.0, 700.0], [0.95, 0.94])),
     )  # fmt: skip
     cells = list(itertools.product((-0.5, 0.5), repeat=3))
     assert len(SOURCES) <= len(cells), "more sources than cells: find them another place"
@@ -148,7 +156,12 @@ def everything() -> pz.Scene:
         run=pz.RunSettings(generation_cap=60, roulette_floor=0.05),
         far_field=pz.FarField(n_mu=4, n_phi=6),
         importance=pz.Importance(toward=[stand[0].name, stand[-1].name], fraction=0.25),
-        medium=(pz.Medium("glass", 1.5168, absorption_per_m=1.0 / step),),
+        spectrum=pz.Spectrum([450.0, 650.0]),
+        medium=(
+            pz.Medium(
+                "glass", absorption_per_m=1.0 / step, dispersion=pz.Cauchy(A=1.5046, B_um2=0.0042)
+            ),
+        ),
         source=tuple(sources),
         element=(*stand, room),
     )

@@ -46,6 +46,7 @@ LEFT = {
         "photizon_cl/studies/knobs.py",
     },
     "importance": {"photizon_cl/scene/importance.py"},
+    "spectrum": {"photizon_cl/scene/spectrum.py"},
     "roulette": {
         "photizon_cl/result/ledger.py", "photizon_cl/result/paths.py",
         "photizon_cl/views/report/claims.py", "photizon_cl/views/report/tables.py",

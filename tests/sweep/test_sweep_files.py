@@ -65,7 +65,7 @@ BAD = {
         a_sweep(one("source.son.flux", 1, 2), one("sauce.sun.flux", 1), one("element[5].axis", 1)),
         'vary[0].path: found "source.son.flux": "son", expected one of "sun" (did you mean "sun"?)',
         ('vary[1].path: found "sauce.sun.flux": "sauce", expected a path that begins with one of '
-        "name, source, element, run, far_field, importance, title, notes, medium "
+        "name, source, element, run, far_field, importance, title, notes, medium, spectrum "
         "(did you mean source?)"),
         'vary[2].path: found "element[5].axis": [5], expected a number below 2, counted from 0',
     ),

@@ -26,7 +26,7 @@ def as_toml(scene: Scene) -> str:
     """Return a scene file without the defaults."""
     lines = [f'schema = "{SCHEMA}"', f"name = {_toml(scene.name)}"]
     lines += [f"{key} = {_toml(getattr(scene, key))}" for key in ("title",) if scene.title]
-    for label in ("far_field", "importance"):
+    for label in ("far_field", "importance", "spectrum"):
         if getattr(scene, label) is not None:
             lines += ["", f"[{label}]", *_entries(getattr(scene, label))]
     if _given(scene.run):
@@ -52,6 +52,8 @@ def _toml(value: Any) -> str:
         return f"{{ {inner} }}" if inner else "{}"
     if isinstance(value, str):
         return f'"{value}"'
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, tuple):
         return "[" + ", ".join(map(_toml, value)) + "]"
     return repr(value)

@@ -25,6 +25,7 @@ from photizon_cl.scene.presets import presets
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import DirectedSource
+from photizon_cl.scene.spectrum import Spectrum
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -153,6 +154,7 @@ FRAGMENTS: dict[str, Callable[[], Any]] = {
     "far-field": lambda: parameter_table(FarField),
     "importance": lambda: parameter_table(Importance),
     "medium": lambda: parameter_table(Medium),
+    "spectrum": lambda: parameter_table(Spectrum),
     "source": lambda: parameter_table(DirectedSource),
     "element": lambda: parameter_table(Element),
     "frames": _frames,

@@ -94,6 +94,13 @@ class Effect(ABC):
         """
         return ()
 
+    def divides(self, scene: Scene) -> int:
+        """Return into how many parts it divides every row of the ledger; 0 where it does not.
+
+        The device then books the parts alone, and the host adds them up (`TallyLayout.part`).
+        """
+        return 0
+
     def scale(self, scene: Scene) -> float:
         """Return what a counted 1 stands for, in `unit` per watt: 1 where weights are counted.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -116,12 +117,18 @@ class Media(Effect):
         """Put absorptions behind the geometry, and the numbers of media into the codes."""
         scene = draft.scene
         number = {VACUUM: 0, **{m.name: n for n, m in enumerate(scene.medium, 1)}}
-        absorption = [0.0, *(medium.absorption_per_m for medium in scene.medium), 0.0]
+        nothing = [0.0] * (draft.grid.n * (draft.grid.degree + 1))
+        absorption = [*nothing]
+        for medium in scene.medium:
+            absorption += chain.from_iterable(draft.grid.rows(medium.absorbing))
+        absorption += nothing
         assert draft.geometry is not None
         draft.launch["media"] = 0  # unless it has cells
         draft.launch["absorption"] = len(draft.geometry)
         draft.geometry = np.concatenate((draft.geometry, absorption))
-        draft.launch["source_media"] = draft.add_codes(number[s.medium] for s in scene.source)
+        draft.launch["source_media"] = draft.add_codes(
+            number[scene.source[beam.source].medium] for beam in draft.beams
+        )
         # a place for what meets none, too
         by_face = "material_of_face" in draft.launch  # of three faces each, see face_surfaces.py
         sides = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.compile.effects.base import Effect
-from photizon_cl.compile.rays import ray_weights, share_rays
+from photizon_cl.compile.rays import beams_of, ray_weights, share_rays
 
 if TYPE_CHECKING:
     from photizon_cl.compile.draft import Draft
@@ -25,8 +25,8 @@ class Shares(Effect):
         _, weights = ray_weights(scene, share_rays(scene, settings.rays_per_batch))
         if all(w == 1.0 for w in weights):
             return None
-        least = min(zip(weights, scene.source, strict=True), key=lambda pair: pair[0])
-        return f'a ray of "{least[1].name}" weighs {least[0]:.3g} of the heaviest'
+        least, beam = min(zip(weights, beams_of(scene), strict=True), key=lambda pair: pair[0])
+        return f'a ray of "{scene.source[beam.source].name}" weighs {least:.3g} of the heaviest'
 
     def absent(self, scene: Scene, settings: RunSettings) -> str:
         """Say what the scene has not."""

@@ -20,6 +20,7 @@ from photizon_cl.compile.effects.path_table import PathTable
 from photizon_cl.compile.effects.roulette import Roulette
 from photizon_cl.compile.effects.scatter import Scatter
 from photizon_cl.compile.effects.shares import Shares
+from photizon_cl.compile.effects.spectrum import Spectrum
 from photizon_cl.compile.effects.splitting import Splitting
 from photizon_cl.compile.effects.tallies import Ladder, Map
 from photizon_cl.compile.effects.tilt import Tilt
@@ -44,6 +45,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     FaceSurfaces(),
     Opening(),
     PathTable(),
+    Spectrum(),
     Media(),
     Importance(),
     Scatter(),

@@ -130,7 +130,7 @@ class Element(Described):
         if detector is None:
             return problems
         if optics.kind and not optics.carries_detector:
-            given = {k: v for k, v in detector.values.items() if v is not None}
+            given = {k: v for k, v in detector.values.items() if v is not None and v is not False}
             problems.append(
                 Problem(
                     "detector",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
@@ -121,9 +122,7 @@ class Scatter(Described):
 
     def greatest_tis(self) -> tuple[float, float]:
         """Return the greatest TIS, and the angle in degrees at which it is found."""
-        if self.falls:
-            return float(total_at(self, np.array([1.0]))[0]), 0.0
-        return greatest(self)
+        return _greatest(self)
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return the TIS at normal incidence and towards grazing."""
@@ -132,6 +131,14 @@ class Scatter(Described):
             "TIS at normal incidence": (float(at[0]), ""),
             "TIS at 60 deg": (float(at[1]), ""),
         }
+
+
+@lru_cache(maxsize=256)
+def _greatest(model: Scatter) -> tuple[float, float]:
+    """Return what `greatest_tis` does: a surface asks for it anew at every wavelength."""
+    if model.falls:
+        return float(total_at(model, np.array([1.0]))[0]), 0.0
+    return greatest(model)
 
 
 HEAD: Final = Row(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from photizon_cl.scene.described import Described
+from photizon_cl.scene.described import ABSENT, Accepts, Described
 from photizon_cl.scene.frames import Frame, frame
 from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import (
@@ -21,6 +21,7 @@ from photizon_cl.scene.parameters import (
     unique_name,
 )
 from photizon_cl.scene.rows import NO_ROW, Row
+from photizon_cl.scene.spectrum import relative_powers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -47,6 +48,9 @@ class Source(Described):
         to their sum; None divides in proportion to flux. It moves effort, never the answer.
     medium : str, optional
         Name of the medium in which its rays start.
+    spectrum : sequence of float, optional
+        Relative power of each line or band of the scene's ``[spectrum]``; by default the same
+        of each.
     """
 
     label: ClassVar[str] = "source"
@@ -72,6 +76,9 @@ class Source(Described):
     position: Sequence[float] = field(metadata=point("centre of the source"))
     share: float | None = field(default=None, metadata=positive_number("part of the rays"))
     medium: str = field(default=VACUUM, metadata=medium_name("in which its rays start"))
+    spectrum: Accepts[Sequence[float] | None, tuple[float, ...] | None] = field(
+        default=ABSENT, metadata=relative_powers("relative power of each line or band")
+    )
 
     @property
     def frame(self) -> Frame:

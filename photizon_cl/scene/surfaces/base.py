@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Self
 
-from photizon_cl.scene.described import Described, Nested
+from photizon_cl.scene.curves import OverWavelength, at_wavelength
+from photizon_cl.scene.described import Described, Nested, parameters_of
 from photizon_cl.scene.parameters import declare
 from photizon_cl.scene.rows import NO_ROW, Row
 from photizon_cl.scene.scatters import Scatter
@@ -99,6 +100,20 @@ class Surface(Described):
             Refractive indices of the scene's media by name, the vacuum's among them.
         """
         return self
+
+    def at(self, nm: float | None) -> Self:
+        """Return it with numbers in place of tables over wavelength, as kernels and checks take it.
+
+        Parameters
+        ----------
+        nm : float or None
+            Wavelength in nanometres; None where there are no tables.
+        """
+        values = {item: getattr(self, item) for item in parameters_of(type(self))}
+        tables = {item: v for item, v in values.items() if isinstance(v, OverWavelength)}
+        if not tables:
+            return self
+        return replace(self, **{item: at_wavelength(v, nm) for item, v in tables.items()})
 
     def advice(self) -> list[str]:
         """Return what is valid and yet probably not meant, as what follows its element's name."""

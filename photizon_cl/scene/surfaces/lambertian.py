@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from photizon_cl.scene.parameters import fraction
+from photizon_cl.scene.curves import Curve, fraction_or_curve, number_of
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces.base import Surface
 
@@ -20,8 +20,9 @@ class Lambertian(Surface):
 
     Parameters
     ----------
-    reflectance : float
-        Hemispherical reflectance ρ in [0, 1].
+    reflectance : float or Curve
+        Hemispherical reflectance ρ in [0, 1]; a table over wavelength in a scene that has a
+        spectrum.
     """
 
     kind: ClassVar[str] = "lambertian"
@@ -36,24 +37,26 @@ class Lambertian(Surface):
     colour: ClassVar[str] = "#cc79a7"
     label_text: ClassVar[str] = "diffuse reflector"
 
-    reflectance: float = field(
-        metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
+    reflectance: float | Curve = field(
+        metadata=fraction_or_curve(
+            "part of the power that is reflected", "the rest, 1 − ρ, is absorbed"
+        )
     )
 
     def packed(self) -> dict[str, float]:
         """Return the reflectance."""
-        return {"reflectance": self.reflectance}
+        return {"reflectance": number_of(self.reflectance)}
 
     @property
-    def diffuse_reflectance(self) -> float:
-        """ρ: all that is reflected is diffuse."""
-        return self.reflectance
+    def diffuse_reflectance(self) -> float | None:
+        """ρ: all that is reflected is diffuse; None where that is a table."""
+        return None if isinstance(self.reflectance, Curve) else self.reflectance
 
     @property
-    def absorptance(self) -> float:
-        """Part of each arrival that the element absorbs, 1 − ρ."""
-        return 1.0 - self.reflectance
+    def absorptance(self) -> float | None:
+        """Part of each arrival that the element absorbs, 1 − ρ; None where that is a table."""
+        return None if isinstance(self.reflectance, Curve) else 1.0 - self.reflectance
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the absorptance."""
-        return {"absorptance": (self.absorptance, "")}
+        """Return the absorptance, where it is a number."""
+        return {} if self.absorptance is None else {"absorptance": (self.absorptance, "")}

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.parameters import fraction
+from photizon_cl.scene.curves import Curve, fraction_or_curve, number_of
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.scatters.base import scatter_problems
 from photizon_cl.scene.surfaces.base import Surface, scattering
@@ -27,10 +27,10 @@ class Mirror(Surface):
 
     Parameters
     ----------
-    reflectance : float
-        ρ in [0, 1].
+    reflectance : float or Curve
+        ρ in [0, 1]; a table over wavelength in a scene that has a spectrum.
     scatter : Scatter, optional
-        What is scattered, at no angle more than ρ.
+        What is scattered, at no angle and no wavelength more than ρ.
     """
 
     kind: ClassVar[str] = "mirror"
@@ -43,8 +43,10 @@ class Mirror(Surface):
     colour: ClassVar[str] = "#0072b2"
     label_text: ClassVar[str] = "mirror"
 
-    reflectance: float = field(
-        metadata=fraction("part of the power that is reflected", "the rest, 1 − ρ, is absorbed")
+    reflectance: float | Curve = field(
+        metadata=fraction_or_curve(
+            "part of the power that is reflected", "the rest, 1 − ρ, is absorbed"
+        )
     )
 
     scatter: Scatter | None = field(
@@ -57,18 +59,23 @@ class Mirror(Surface):
         most = known.get("reflectance")
         if most is None:
             return []
+        at = ""
+        if isinstance(most, Curve):  # the lobe is the same at every wavelength
+            nm, most = most.least
+            at = f" at {nm:.9g} nm, where it is least"
         why = "the reflectance is all that leaves, and what scatters is a part of it"
-        return scatter_problems(known, most, f"the reflectance, {show(most)}", why)
+        return scatter_problems(known, most, f"the reflectance, {show(most)}{at}", why)
 
     def packed(self) -> dict[str, float]:
         """Return the reflectance."""
-        return {"reflectance": self.reflectance}
+        return {"reflectance": number_of(self.reflectance)}
 
     @property
-    def absorptance(self) -> float:
-        """Part of each arrival that the element absorbs, 1 − ρ."""
-        return 1.0 - self.reflectance
+    def absorptance(self) -> float | None:
+        """Part of each arrival that the element absorbs, 1 − ρ; None where that is a table."""
+        return None if isinstance(self.reflectance, Curve) else 1.0 - self.reflectance
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the absorptance, and what scatters."""
-        return {"absorptance": (self.absorptance, ""), **self.scattered}
+        """Return the absorptance, where it is a number, and what scatters."""
+        plain = {} if self.absorptance is None else {"absorptance": (self.absorptance, "")}
+        return plain | self.scattered

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.parameters import fraction
+from photizon_cl.scene.curves import Curve, at_wavelength, fraction_or_curve, number_of
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces.base import Surface
 
@@ -25,10 +25,11 @@ class Mixed(Surface):
 
     Parameters
     ----------
-    specular : float
-        Part of the power that is reflected as by a mirror, in [0, 1].
-    diffuse : float
-        Part of the power that is reflected diffusely, in [0, 1 − specular].
+    specular : float or Curve
+        Part of the power that is reflected as by a mirror, in [0, 1]; a table over wavelength in a
+        scene that has a spectrum.
+    diffuse : float or Curve
+        Part of the power that is reflected diffusely, in [0, 1 − specular], likewise.
     """
 
     kind: ClassVar[str] = "mixed"
@@ -46,9 +47,11 @@ class Mixed(Surface):
     colour: ClassVar[str] = "#882255"
     label_text: ClassVar[str] = "mixed reflector"
 
-    specular: float = field(metadata=fraction("part of the power that is reflected specularly"))
-    diffuse: float = field(
-        metadata=fraction(
+    specular: float | Curve = field(
+        metadata=fraction_or_curve("part of the power that is reflected specularly")
+    )
+    diffuse: float | Curve = field(
+        metadata=fraction_or_curve(
             "part of the power that is reflected diffusely", "the rest of both is absorbed"
         )
     )
@@ -57,25 +60,43 @@ class Mixed(Surface):
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check that no more is reflected than arrives."""
         specular, diffuse = known.get("specular"), known.get("diffuse")
-        if specular is None or diffuse is None or specular + diffuse <= 1.0:
+        if specular is None or diffuse is None:
             return []
-        hint = "more would be reflected than arrives"
-        return [Problem("diffuse", show(diffuse), f"at most 1 - {show(specular)}", hint=hint)]
+        # the sum of two tables that are linear between nodes is largest at one
+        curves = [c for c in (specular, diffuse) if isinstance(c, Curve)]
+        wavelengths: list[float | None] = [*sorted({nm for c in curves for nm in c.wavelength_nm})]
+        for nm in wavelengths or [None]:
+            s, d = at_wavelength(specular, nm), at_wavelength(diffuse, nm)
+            if s + d > 1.0:
+                where = "" if nm is None else f" at {nm:.9g} nm"
+                hint = "more would be reflected than arrives"
+                expected = f"at most 1 - {show(s)}{where}"
+                return [Problem("diffuse", f"{show(d)}{where}", expected, hint=hint)]
+        return []
 
     @property
     def splits(self) -> bool:  # type: ignore[override]  # of this one, not of the class
         """Whether both children exist."""
-        return self.specular > 0.0 and self.diffuse > 0.0
+        return _any(self.specular) and _any(self.diffuse)
 
     @property
-    def absorptance(self) -> float:
-        """Part of each arrival that the element absorbs, 1 − specular − diffuse."""
+    def absorptance(self) -> float | None:
+        """Part of each arrival that the element absorbs, 1 − specular − diffuse.
+
+        None where one of them is a table.
+        """
+        if isinstance(self.specular, Curve) or isinstance(self.diffuse, Curve):
+            return None
         return max(1.0 - self.specular - self.diffuse, 0.0)
 
     def packed(self) -> dict[str, float]:
         """Return both parts."""
-        return {"specular": self.specular, "diffuse": self.diffuse}
+        return {"specular": number_of(self.specular), "diffuse": number_of(self.diffuse)}
 
     def derived(self) -> dict[str, tuple[float, str]]:
-        """Return the absorptance."""
-        return {"absorptance": (self.absorptance, "")}
+        """Return the absorptance, where it is a number."""
+        return {} if self.absorptance is None else {"absorptance": (self.absorptance, "")}
+
+
+def _any(part: float | Curve) -> bool:
+    return any(part.value) if isinstance(part, Curve) else part > 0.0

@@ -14,6 +14,7 @@ as they are, never smoothed or interpolated, and are hatched where fewer than 10
 ``draw_ladder``              a detector's power by generation
 ``draw_paths``               strongest paths to a detector, ranked
 ``draw_ghosts``              two-reflection ghosts by pair of faces
+``draw_by_wavelength``       what each line of the spectrum brings to the largest rows
 ``draw_convergence``         σ against rays and against seconds
 ``draw_layout``              sections through the scene, with or without rays
 ``draw_sweep``               what a sweep measured, with error bars
@@ -35,6 +36,7 @@ from photizon_cl.views.figures.layout_plot import draw_layout
 from photizon_cl.views.figures.ledger_plot import draw_ledger
 from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
 from photizon_cl.views.figures.path_plots import draw_ghosts, draw_paths
+from photizon_cl.views.figures.spectrum_plot import draw_by_wavelength
 from photizon_cl.views.figures.style import FORMATS
 from photizon_cl.views.figures.sweep_plot import draw_sweep
 from photizon_cl.views.figures.table import FIGURES, draw_all, figure_names, write_all
@@ -44,13 +46,16 @@ far_field, far_field_cuts = draw_far_field, draw_far_field_cuts
 far_field_theta = draw_far_field_theta
 ledger, ladder, convergence, layout = draw_ledger, draw_ladder, draw_convergence, draw_layout
 paths, ghosts = draw_paths, draw_ghosts
+by_wavelength = draw_by_wavelength
 sweep = draw_sweep
 
 __all__ = [
     "FIGURES",
     "FORMATS",
+    "by_wavelength",
     "convergence",
     "draw_all",
+    "draw_by_wavelength",
     "draw_convergence",
     "draw_far_field",
     "draw_far_field_cuts",

@@ -45,6 +45,7 @@ def draw_irradiance(
     norm: str | Normalize | None = None,
     vmin: float | None = None,
     vmax: float | None = None,
+    line: int | None = None,
     ax: Axes | None = None,
 ) -> Figure:
     """Draw a detector's irradiance map.
@@ -66,6 +67,8 @@ def draw_irradiance(
     vmin, vmax : float, optional
         Limits of the scale in W/m²; by default from 0 to the highest bin, on a logarithmic scale
         from the lowest.
+    line : int, optional
+        Number of a line or band of the spectrum, of which alone the map is then.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into, with their colour bar; by default a page with title and footer.
 
@@ -77,15 +80,19 @@ def draw_irradiance(
     Raises
     ------
     ArgumentError
-        Where the scene has no such map, or norm and limits do not go together.
+        Where the scene has no such map or line, or norm and limits do not go together.
     """
     m = _map(result, element)
+    title = f"irradiance on {element}"
+    if line is not None:
+        m, name = _of_line(result, m, line)
+        title += f", {name}"
     scale = colour_norm(m.irradiance[m.decisive], norm, vmin, vmax, peaked=True)
     shown = np.ma.masked_array(m.irradiance, mask=m.hatched | m.masked)
     notes = bins.said(m.count.shape) + chosen(scale, norm)
     if vmin is vmax is None:
         notes += _left_out(m, m.irradiance, scale, "W/m²")
-    panel, x, y = _frame(result, element, m, f"irradiance on {element}", notes, ax)
+    panel, x, y = _frame(result, element, m, title, notes, ax)
     amounts(panel, x, y, shown, m.hatched, "irradiance", "W/m²", scale)
     _rims(panel.axes, m, x[-1] / m.x_edges[-1])
     return whole(panel.axes)
@@ -257,6 +264,21 @@ def _left_out(
         said.append(f"up to {factor * float(beyond.max()):.3g}")
     n, rim = len(beyond), "that a rim leaves less than three quarters of the area of others"
     return [f"beyond the scale: {n:,} bin{'s' * (n != 1)} {rim}, {' and '.join(said)} {unit}"]
+
+
+def _of_line(result: Estimates, m: IrradianceMap, line: int) -> tuple[IrradianceMap, str]:
+    """Return the map of a line or band, and what that is called."""
+    spectrum, there = result.scene.spectrum, m.by_wavelength
+    if spectrum is None or not there:
+        raise ArgumentError(
+            f"line: found {show(line)}, expected none, as nothing is told by wavelength there "
+            "(wavelengths = true does so)"
+        )
+    if isinstance(line, bool) or not isinstance(line, int) or not 0 <= line < len(there):
+        raise ArgumentError(
+            f"line: found {show(line)}, expected a number from 0 to {len(there) - 1}"
+        )
+    return there[line], spectrum.names[line]
 
 
 def _map(result: Estimates, element: str) -> IrradianceMap:

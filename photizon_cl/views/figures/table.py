@@ -18,6 +18,7 @@ from photizon_cl.views.figures.layout_plot import MOST_ELEMENTS, draw_layout
 from photizon_cl.views.figures.ledger_plot import draw_ledger
 from photizon_cl.views.figures.map_plots import draw_irradiance, draw_relative_sigma
 from photizon_cl.views.figures.path_plots import MOST_FACES, draw_ghosts, draw_paths
+from photizon_cl.views.figures.spectrum_plot import draw_by_wavelength
 from photizon_cl.views.figures.style import FORMATS, replace_figure, write
 
 if TYPE_CHECKING:
@@ -57,6 +58,10 @@ def _once(_: Estimates) -> list[tuple[str, ...]]:
 
 def _small(result: Estimates) -> list[tuple[str, ...]]:
     return [()] if len(result.scene.element) <= MOST_ELEMENTS else []
+
+
+def _with_spectrum(result: Estimates) -> list[tuple[str, ...]]:
+    return [] if result.scene.spectrum is None else [()]
 
 
 def _with_history(result: Estimates) -> list[tuple[str, ...]]:
@@ -99,6 +104,7 @@ def _with_theta(result: Estimates) -> list[tuple[str, ...]]:
 FIGURES: Final = (
     Kind("layout", draw_layout, _small),
     Kind("ledger", draw_ledger, _once),
+    Kind("by-wavelength", draw_by_wavelength, _with_spectrum),
     Kind("convergence", draw_convergence, _with_history),
     Kind("map", draw_irradiance, _with_map),
     Kind("sigma", draw_relative_sigma, _with_map),

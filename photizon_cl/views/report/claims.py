@@ -136,20 +136,25 @@ def _physics(result: Estimates) -> Iterator[Markup]:
     )
     surfaces = [s for element in result.scene.element for s in element.surfaces]
     refracts = any(surface.refracts for surface in surfaces)
+    spectrum = result.scene.spectrum
+    lack, constants = "No spectrum", "One set of optical constants holds for the whole run."
+    if spectrum is not None:
+        lack = "A given spectrum"
+        beside = "nothing between them" if spectrum.edges_nm is None else "nothing beside them"
+        constants = f"Light is of {spectrum.about}, and of {beside}."
     glass = " Glass reflects and refracts as for unpolarised light" if refracts else ""
-    absorbing = [medium.name for medium in result.scene.medium if medium.absorption_per_m]
+    absorbing = [medium.name for medium in result.scene.medium if medium.absorbs]
     if absorbing:
         glass += "." if glass else ""
-        what = "no polarisation.</strong> One set of optical constants holds for the whole run.{}"
+        what = f"no polarisation.</strong> {constants}{{}}"
         yield Markup(
-            f"<strong>No spectrum, {what} What lies in {{}} absorbs by Beer and Lambert's law and "
+            f"<strong>{lack}, {what} What lies in {{}} absorbs by Beer and Lambert's law and "
             "scatters nothing."
         ).format(glass, ", ".join(absorbing))
     else:
         glass += " and absorbs nothing." if glass else ""
         yield Markup(
-            "<strong>No spectrum, no polarisation, no bulk absorption.</strong> One set of optical "
-            "constants holds for the whole run.{}"
+            f"<strong>{lack}, no polarisation, no bulk absorption.</strong> {constants}{{}}"
         ).format(glass)
     yield Markup(
         "<strong>Ideal surfaces and exact shapes.</strong> {}, without measured scatter, roughness "

@@ -89,6 +89,15 @@ ${parts.table(ledger)}
 % for f in figures.of("ledger"):
 ${figure(f)}
 % endfor
+% if by_wavelength:
+<section aria-labelledby="by-wavelength">
+<h3 id="by-wavelength">By wavelength</h3>
+${parts.table(by_wavelength)}
+% for f in figures.of("by-wavelength"):
+${figure(f)}
+% endfor
+</section>
+% endif
 </section>
 
 % if detectors:

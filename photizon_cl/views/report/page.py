@@ -17,6 +17,7 @@ from photizon_cl.views.report.cost import cost_table
 from photizon_cl.views.report.far_field import far_field_tables
 from photizon_cl.views.report.numbers import integer
 from photizon_cl.views.report.paths import paths_table
+from photizon_cl.views.report.spectrum import spectrum_table
 
 if TYPE_CHECKING:
     from photizon_cl.result.cost import CostStudy
@@ -38,6 +39,7 @@ _PLACED: Final = frozenset(
     {
         "layout",
         "ledger",
+        "by-wavelength",
         "convergence",
         "cost",
         "map",
@@ -111,6 +113,7 @@ def render(
             advisories=[_sentence(text) for text in result.advisories],
             figures=figures,
             ledger=tables.ledger_table(result),
+            by_wavelength=spectrum_table(result),
             detectors=tables.detector_table(result) if result.detectors else None,
             sections=_sections(result, figures),
             more_detectors=integer(max(len(result.detectors) - MOST_DETECTORS, 0)),

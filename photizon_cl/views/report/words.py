@@ -98,6 +98,28 @@ def _ledger(result: Estimates, _: str) -> tuple[str, str]:
     return alt, "The rows of the ledger with ± σ, against the emitted power."
 
 
+def _by_wavelength(result: Estimates, _: str) -> tuple[str, str]:
+    from photizon_cl.views.figures.spectrum_plot import curves
+
+    spectrum = result.scene.spectrum
+    assert spectrum is not None
+    emitted = [part.value for part in result.ledger.emitted.by_wavelength]
+    texts = []
+    for name, row in curves(result):
+        parts = [
+            part.value / launched
+            for part, launched in zip(row.by_wavelength, emitted, strict=True)
+            if launched
+        ]
+        texts.append(f"{name}, from {percent(min(parts))} to {percent(max(parts))}")
+    alt = (
+        f"Parts of the emitted power over wavelength, {spectrum.about}: "
+        f"{_named(texts, 'smaller rows') or 'no row has power'}."
+    )
+    word = spectrum.word
+    return alt, f"Where each {word}'s power went, as parts of what that {word} emitted, with ± σ."
+
+
 def _convergence(result: Estimates, _: str) -> tuple[str, str]:
     from photizon_cl.views.figures.convergence_plot import history
 
@@ -277,6 +299,7 @@ def _over_theta(result: Estimates, _: str) -> tuple[str, str]:
 _WORDS: Final[dict[str, Callable[[Estimates, str], tuple[str, str]]]] = {
     "layout": _layout,
     "ledger": _ledger,
+    "by-wavelength": _by_wavelength,
     "convergence": _convergence,
     "map": _irradiance,
     "sigma": _sigma,

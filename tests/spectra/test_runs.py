@@ -1,0 +1,107 @@
+"""Spectra in runs: what comes out by wavelength, in Python, files, figures and on the terminal."""
+
+from __future__ import annotations
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+from oracles import spectra
+
+import photizon_cl as pz
+from photizon_cl.cli.main import main
+
+
+@pytest.fixture(scope="module")
+def result():
+    return pz.trace(spectra.tables_scene(), batches=3, rays_per_batch=64)
+
+
+def test_every_row_gives_what_each_line_brings(result):
+    rows = [row for _, row in result.ledger.labelled_rows()]
+    (detector,) = result.detectors.values()
+    for row in (*rows, detector.power, *detector.ladder):
+        assert len(row.by_wavelength) == 4
+        assert sum(row.by_wavelength) == pytest.approx(row.value, rel=1e-15, abs=1e-30)
+        assert all(part.sigma is not None for part in row.by_wavelength)
+    assert len(detector.map.by_wavelength) == 4
+    total = sum(m.irradiance for m in detector.map.by_wavelength)
+    assert total == pytest.approx(detector.map.irradiance, rel=1e-15)
+    assert sum(m.count for m in detector.map.by_wavelength).tolist() == detector.map.count.tolist()
+    assert pickle.loads(pickle.dumps(detector.power)) == detector.power
+    assert result.ledger.emitted.by_wavelength[0] == 0.75
+
+
+def test_quantities_go_by_line(result):
+    name = 'detectors."element 3".power'
+    assert f"{name}.by_wavelength[2]" in result.quantity_names
+    power = result.detectors["element 3"].power
+    found = result.quantity(f"{name}.by_wavelength[2]")
+    assert found == power.by_wavelength[2].value
+    assert found.count == power.by_wavelength[2].count
+    assert result.batch_values(f"{name}.by_wavelength[2]").mean() == pytest.approx(found, rel=1e-14)
+    escaped = result.quantity("ledger.absorbed_in.dye.by_wavelength[0]")
+    assert (escaped.value, escaped.count) == (0.0, None)
+    for wrong in (
+        f"{name}.by_wavelength[4]", "ledger.escaped.by_wavelength[9]", "far_field.by_wavelength[0]"
+    ):  # fmt: skip
+        with pytest.raises(pz.ArgumentError):
+            result.quantity(wrong)
+    on = f"{name}.by_wavelength[1]"
+    met = pz.trace(result.scene, target=0.5, target_on=[on], rays_per_batch=64, max_seconds=60)
+    assert met.converged
+    assert len(pz.compare(result, met)) == len(result.quantity_names)
+
+
+def test_files_have_it_and_a_run_goes_on(result, tmp_path):
+    result.save(tmp_path / "out")
+    again = pz.open_result(tmp_path / "out")
+    assert again.summary() == result.summary()
+    written = json.loads((tmp_path / "out" / "summary.json").read_text())
+    parts = written["ledger"]["absorbed"]["element 2"]["by_wavelength"]
+    assert [part["value"] for part in parts] == [
+        part.value for part in result.ledger.absorbed["element 2"].by_wavelength
+    ]
+    table = (tmp_path / "out" / "spectrum.csv").read_text().splitlines()
+    assert table[0] == "what,name,generation,wavelength_nm,value_W,sigma_W,count"
+    assert len(table) == 1 + 4 * (len(result.ledger.labelled_rows()) + 1 + 6)
+    found = result.to_dataset()
+    assert found["ledger/power_by_wavelength"].dims == ("wavelength", "row")
+    assert found["element 3/irradiance_by_wavelength"].shape == (4, 3, 2)
+    assert found["element 3"]["wavelength"].values.tolist() == [425.0, 500.0, 550.0, 650.0]
+    resumed = pz.resume(tmp_path / "out", batches=5)
+    whole = pz.trace(result.scene, batches=5, rays_per_batch=64)
+    assert resumed.tally_digest == whole.tally_digest
+    assert resumed.ledger.escaped == whole.ledger.escaped
+
+
+def test_it_is_shown(result, tmp_path, capsys):
+    result.save(tmp_path / "out")
+    assert main(["report", str(tmp_path / "out")]) == 0
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "By wavelength" in page
+    assert "650 nm" in page
+    axes = pz.figures.by_wavelength(result).axes[0]
+    assert axes.get_xlabel() == "wavelength in nm"
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels[0] == "detector element 3"
+    drawn = axes.containers[0].lines[0]
+    power, emitted = result.detectors["element 3"].power, result.ledger.emitted
+    wanted = np.divide(power.by_wavelength, emitted.by_wavelength)
+    assert drawn.get_ydata() == pytest.approx(wanted)
+    figure = pz.figures.irradiance(result, "element 3", line=1)
+    mesh = next(c for c in figure.axes[0].collections if c.get_label() == "values")
+    one = result.detectors["element 3"].map.by_wavelength[1]
+    assert np.ma.compressed(mesh.get_array()).tolist() == one.irradiance[~one.hatched].tolist()
+    for wrong in (4, -1, "red"):
+        with pytest.raises(pz.ArgumentError, match="a number from 0 to 3"):
+            pz.figures.irradiance(result, "element 3", line=wrong)
+    result.scene.save(tmp_path / "lines.toml")
+    capsys.readouterr()
+    assert main(["check", str(tmp_path / "lines.toml"), "--no-pilot"]) == 0
+    text = capsys.readouterr().out
+    assert "spectrum: 4 lines, 425 … 650 nm" in text
+    assert "absorption_per_m 0 … 40 over 450 … 650 nm 1/m" in text
+    with pytest.raises(pz.ArgumentError, match=r"\[spectrum\] adds it"):
+        pz.figures.by_wavelength(pz.trace("cosine-fourth", batches=1, rays_per_batch=16))

@@ -1,0 +1,230 @@
+"""Spectra in scenes: what is read, kept, refused and advised."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from oracles import spectra
+
+import photizon_cl as pz
+from photizon_cl.scene.writing import to_json, to_toml
+
+CURVE = {"wavelength_nm": [400.0, 700.0], "value": [0.5, 0.8]}
+
+
+def tables(**changes):
+    """A mirror, a lens of dispersing glass and a target, as a file has them."""
+    found = {
+        "schema": "photizon/1", "name": "lines", "spectrum": {"wavelengths_nm": spectra.LINES},
+        "medium": [{"name": "bk7", "dispersion": dict(spectra.N_BK7)}],
+        "source": [
+            {"name": "lamp", "kind": "collimated-disk", "flux": 1.0, "position": [0, 0, 1.0],
+             "axis": "-z", "radius": 0.01, "spectrum": [1.0, 2.0, 0.0]},
+        ],
+        "element": [
+            {"name": "lens", "kind": "plano-convex", "position": [0, 0, 0.1], "axis": "+z",
+             "curvature_radius": 0.05, "aperture_radius": 0.02,
+             "surface": {"kind": "fresnel", "medium": "bk7"}},
+            {"name": "mirror", "kind": "rectangle", "position": [0, 0, 2.0], "axis": "-z",
+             "half_width": 1.0, "half_height": 1.0,
+             "surface": {"kind": "mirror", "reflectance": dict(CURVE)}},
+            {"name": "target", "kind": "rectangle", "position": [0, 0, 0.0], "axis": "+z",
+             "half_width": 1.0, "half_height": 1.0, "surface": {"kind": "absorber"},
+             "detector": {"wavelengths": True}},
+        ],
+    }  # fmt: skip
+    for path, value in changes.items():
+        at = found
+        *way, last = path.split("__")
+        for key in way:
+            at = at[int(key) if key.isdigit() else key]
+        last = int(last) if last.isdigit() else last
+        if value is None:
+            del at[last]
+        else:
+            at[last] = value
+    return found
+
+
+def refused(found, *wanted):
+    """Assert that a scene is refused with one line, which says all that is wanted."""
+    with pytest.raises(pz.SceneError) as caught:
+        pz.load(found)
+    text = str(caught.value)
+    assert len(text.splitlines()) == 1, text
+    for part in wanted:
+        assert part in text, text
+
+
+def test_it_comes_back_from_files(tmp_path):
+    scene = pz.load(tables())
+    assert scene.spectrum == pz.Spectrum(spectra.LINES)
+    assert scene.source["lamp"].spectrum == (1.0, 2.0, 0.0)
+    assert scene.element["mirror"].surface == pz.Mirror(pz.Curve([400, 700], [0.5, 0.8]))
+    for name in ("lines.toml", "lines.json"):
+        scene.save(tmp_path / name)
+        again = pz.load(tmp_path / name)
+        assert again == scene
+        assert again.digest() == scene.digest()
+    assert "wavelengths = true" in to_toml(scene)
+    assert '"kind": "sellmeier"' in to_json(scene)
+    other = scene.replace({"spectrum.wavelengths_nm": [500.0, 600.0, 700.0]})
+    assert other.digest() != scene.digest()
+    assert other.spectrum.n == 3
+
+
+def test_absent_it_leaves_no_trace():
+    text = to_toml(pz.load("plano-convex-condenser"))
+    assert "spectrum" not in text
+    assert "wavelength" not in text
+
+
+@pytest.mark.parametrize(
+    ("dispersion", "wanted"),
+    [
+        (spectra.N_BK7, float(spectra.index_of_bk7(587.6))),
+        ({"kind": "cauchy", "A": 1.5, "B_um2": 0.004, "C_um4": 1e-5},
+         1.5 + 0.004 / 0.5876**2 + 1e-5 / 0.5876**4),
+        ({"kind": "table", "wavelength_nm": [400, 587.6, 700], "index": [1.6, 1.5, 1.4]}, 1.5),
+        ({"kind": "table", "wavelength_nm": [487.6, 687.6], "index": [1.6, 1.5]}, 1.55),
+    ],
+)  # fmt: skip
+def test_forms_of_dispersion(dispersion, wanted):
+    low = {"spectrum__wavelengths_nm": [500.0, 587.6, 650.0], "medium__0__dispersion": dispersion}
+    scene = pz.load(tables(**low))
+    assert scene.medium["bk7"].index_at(587.6) == pytest.approx(wanted, rel=1e-15)
+    assert scene.reference_nm == 587.6
+    assert scene.optics[scene.element["lens"].surface].indices[0] == pytest.approx(wanted)
+
+
+TABLE = {"kind": "table", "wavelength_nm": [500.0, 700.0], "index": [1.6, 1.5]}
+REFUSED = [
+    ({"spectrum": None, "source__0__spectrum": None, "medium__0": {"name": "bk7", "index": 1.5},
+      "element__2__detector": {}},
+     ["element[1].surface.reflectance", "0.8", "[spectrum]"]),
+    ({"spectrum": None, "source__0__spectrum": None, "element__1__surface__reflectance": 0.5,
+      "element__2__detector": {}}, ["medium[0].dispersion", "sellmeier", "[spectrum]"]),
+    ({"spectrum": None, "source__0__spectrum": None, "element__1__surface__reflectance": 0.5,
+      "medium__0": {"name": "bk7", "index": 1.5}},
+     ["element[2].detector.wavelengths", "true", "[spectrum]"]),
+    ({"spectrum": {}}, ["spectrum.wavelengths_nm", "nothing", "requires the key"]),
+    ({"spectrum__wavelengths_nm": []}, ["spectrum.wavelengths_nm", "0 numbers", "1 to 1024"]),
+    ({"spectrum__wavelengths_nm": [500.0, 486.1, 656.3]},
+     ["spectrum.wavelengths_nm[1]", "486.1", "above 500.0", "ascend"]),
+    ({"spectrum__wavelengths_nm": [500.0, 500.0, 656.3]}, ["spectrum.wavelengths_nm[1]", "twice"]),
+    ({"spectrum__wavelengths_nm": [-1.0, 500.0, 656.3]}, ["spectrum.wavelengths_nm[0]", "-1.0"]),
+    ({"spectrum__wavelengths_nm": [500.0, math.nan, 656.3]}, ["spectrum.wavelengths_nm[1]", "nan"]),
+    ({"spectrum__edges_nm": [400.0, 500.0]},
+     ["spectrum.edges_nm", "[400.0, 500.0]", "nothing beside wavelengths_nm"]),
+    ({"spectrum": {"edges_nm": [400.0]}}, ["spectrum.edges_nm", "1 number", "2 to 1025"]),
+    ({"spectrum": {"edges_nm": [500.0, 400.0]}}, ["spectrum.edges_nm[1]", "400.0", "above 500.0"]),
+    ({"spectrum": {"edges_nm": [400.0, 500.0, 600.0]}},
+     ["source[0].spectrum", "3 of them", "2 numbers, one for each band"]),
+    ({"spectrum": {"edges_nm": [400.0, 500.0, 600.0, 650.0]}, "medium__0__dispersion":
+      {"kind": "table", "wavelength_nm": [450.0, 700.0], "index": [1.6, 1.5]}},
+     ["spectrum.edges_nm[0]", "400.0", "from 450 to 700 nm"]),
+    ({"spectrum": {"edges_nm": [400.0, 500.0, 600.0, 650.0]}, "medium__0__dispersion":
+      {"kind": "sellmeier", "B": [1.0, 0.01], "C_um2": [0.01, 0.25]}},
+     ["spectrum.edges_nm[1]", "500", "medium[0].dispersion", "none there"]),
+    ({"spectrum": {"edges_nm": [400.0, 490.0, 600.0, 650.0]}, "medium__0__dispersion":
+      {"kind": "sellmeier", "B": [1.0, 0.01], "C_um2": [0.01, 0.25]}},
+     ["spectrum.edges_nm[1]", "490 to 600 nm", "everywhere", "it has none at 500 nm"]),
+    ({"source__0__spectrum": [1.0, 2.0]}, ["source[0].spectrum", "2 of them", "3 numbers"]),
+    ({"source__0__spectrum": [1.0, -2.0, 1.0]}, ["source[0].spectrum[1]", "-2.0", "from 0"]),
+    ({"source__0__spectrum": [0.0, 0.0, 0.0]}, ["source[0].spectrum", "no power"]),
+    ({"source__0__spectrum": [0.0, math.nan, 0.0]}, ["source[0].spectrum[1]", "nan"]),
+    ({"source__0__spectrum": []}, ["source[0].spectrum", "[]"]),
+    ({"medium__0__dispersion": TABLE},
+     ["spectrum.wavelengths_nm[0]", "486.1", "from 500 to 700 nm", '"bk7"']),
+    ({"medium__0__dispersion": {**TABLE, "index": [1.6]}},
+     ["medium[0].dispersion.index", "1 of them", "2 numbers"]),
+    ({"medium__0__dispersion": {**TABLE, "wavelength_nm": [700.0, 500.0]}},
+     ["medium[0].dispersion.wavelength_nm[1]", "500.0", "ascend"]),
+    ({"medium__0__dispersion": {**TABLE, "index": [1.6, math.inf]}},
+     ["medium[0].dispersion.index[1]", "inf"]),
+    ({"medium__0__dispersion": {"kind": "selmeier"}},
+     ["medium[0].dispersion.kind", "selmeier", "did you mean sellmeier"]),
+    ({"medium__0__dispersion": {**spectra.N_BK7, "C_um2": [0.1]}},
+     ["medium[0].dispersion.C_um2", "1 of them", "3 numbers"]),
+    ({"medium__0__dispersion": {"kind": "cauchy", "B_um2": 1.0}},
+     ["medium[0].dispersion.A", "nothing", "requires the key A"]),
+    ({"medium__0__dispersion": 1.5}, ["medium[0].dispersion", "1.5", "sellmeier"]),
+    ({"medium__0__index": 1.5}, ["medium[0].dispersion", "sellmeier", "nothing beside index"]),
+    ({"medium__0__dispersion": None}, ["medium[0].index", "nothing", "or dispersion or glass"]),
+    ({"medium__0__dispersion": {"kind": "sellmeier", "B": [-5.0], "C_um2": [0.0]}},
+     ["spectrum.wavelengths_nm[0]", "486.1", "medium[0].dispersion",
+      "gives none there, and none at 2 more"]),
+    ({"medium__0__absorption_per_m": {"wavelength_nm": [400, 500], "per_m": [1.0, -1.0]}},
+     ["medium[0].absorption_per_m.per_m[1]", "-1.0"]),
+    ({"element__1__surface__reflectance": {**CURVE, "value": [0.5, 1.5]}},
+     ["element[1].surface.reflectance.value[1]", "1.5", "[0, 1]"]),
+    ({"element__1__surface__reflectance": {**CURVE, "values": [0.5, 0.5]}},
+     ["element[1].surface.reflectance.values", "no such key", "did you mean value"]),
+    ({"element__1__surface__reflectance": {"wavelength_nm": [400.0, 700.0]}},
+     ["element[1].surface.reflectance.value", "nothing", "requires the key value"]),
+    ({"element__1__surface__reflectance": {"wavelength_nm": [700.0, 400.0], "value": [0.1, 0.2]}},
+     ["element[1].surface.reflectance.wavelength_nm[1]", "400.0"]),
+    ({"element__1__surface": {"kind": "mixed", "specular": CURVE, "diffuse": 0.3}},
+     ["element[1].surface.diffuse", "0.3 at 700 nm", "at most 1 - 0.8"]),
+    ({"element__1__surface__reflectance": "high"},
+     ["element[1].surface.reflectance", '"high"', "wavelength_nm"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "wanted"), REFUSED)
+def test_what_is_wrong_is_refused_in_one_line(changes, wanted):
+    found = tables(**changes)
+    if "spectrum" in changes and changes["spectrum"] is None:
+        assert "spectrum" not in found
+    if "medium__0__dispersion" in changes and "spectrum__wavelengths_nm" not in changes:
+        low = changes["medium__0__dispersion"] in (TABLE, {**TABLE, "index": [1.6]})
+        if low and "486.1" not in wanted:
+            found["spectrum"]["wavelengths_nm"] = [500.0, 587.6, 656.3]
+    refused(found, *wanted)
+
+
+def test_python_refuses_the_same():
+    with pytest.raises(pz.SceneError, match="ascend"):
+        pz.Spectrum([500.0, 400.0])
+    with pytest.raises(pz.SceneError, match=r"surface.reflectance.value"):
+        pz.Mirror(reflectance={"wavelength_nm": [400.0, 500.0], "value": [0.5, 2.0]})
+    with pytest.raises(pz.SceneError, match="nothing beside index"):
+        pz.Medium("glass", 1.5, dispersion=pz.Cauchy(A=1.5))
+    with pytest.raises(ValueError, match="depends on wavelength"):
+        pz.Medium("glass", dispersion=pz.Cauchy(A=1.5)).index_at(None)
+
+
+def test_a_table_that_ends_is_advised_of():
+    scene = pz.load(tables(element__1__surface__reflectance__wavelength_nm=[500.0, 600.0]))
+    (text,) = (text for text in pz.advisories(scene) if "is given from" in text)
+    assert text == (
+        'element "mirror": surface.reflectance is given from 500 to 600 nm; at 486.1 nm and 1 more '
+        "it is taken as at its end: 0.5 as at 500 nm"
+    )
+    assert not [text for text in pz.advisories(pz.load(tables())) if "is given from" in text]
+
+
+def test_a_path_table_over_all_lines_is_advised_of():
+    scene = pz.load(tables(element__2__detector={"wavelengths": True, "paths": 5}))
+    (text,) = (text for text in pz.advisories(scene) if "path table" in text)
+    assert text.startswith(
+        'element "target": the path table of its detector is over all wavelengths'
+    )
+    for other in ({"wavelengths": True}, {"paths": 5}):
+        scene = pz.load(tables(element__2__detector=other))
+        assert not [text for text in pz.advisories(scene) if "path table" in text]
+
+
+def test_too_few_rays_and_lines_too_weak():
+    scene = pz.load(tables())
+    with pytest.raises(pz.ArgumentError, match=r"expected at least 2, one for each line"):
+        pz.trace(scene, batches=1, rays_per_batch=1)
+    weak = pz.load(tables(source__0__spectrum=[1.0, 1e-20, 0.0]))
+    with pytest.raises(pz.ArgumentError, match=r"its rays of line 1 carry"):
+        pz.trace(weak, batches=1, rays_per_batch=64)
+
+
+def test_the_effect_says_why():
+    told = pz.effects(pz.load(tables()))
+    assert "[spectrum] has 3 lines, 486.1 … 656.3 nm" in str(told)
