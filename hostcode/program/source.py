@@ -156,6 +156,7 @@ def program_source(spec: ProgramSpec) -> str:
         "orders": spec.orders,
         "ends": spec.ends,
         "densities": spec.densities,
+        "coats": spec.coats,
         "hooks": _hooks(spec),
         "interleaved": spec.interleaved,
         "private_tallies": spec.private_tallies,

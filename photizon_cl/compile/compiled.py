@@ -337,6 +337,8 @@ def _kinds_in_use(scene: Scene) -> dict[str, str]:
     for group, thing, name in things:
         found.setdefault(
             f"{group}.{thing.kind}",
-            f'"{name}" has one' if group in ("surface", "scatter", "coating") else f'"{name}" is one',
+            f'"{name}" has one'
+            if group in ("surface", "scatter", "coating")
+            else f'"{name}" is one',
         )
     return found

@@ -93,9 +93,7 @@ class AngleCurve(Described):
 
     def __str__(self) -> str:
         low, high = min(self.value), max(self.value)
-        return (
-            f"{low:.9g} … {high:.9g} over {self.angle_deg[0]:.9g} … {self.angle_deg[-1]:.9g} deg"
-        )
+        return f"{low:.9g} … {high:.9g} over {self.angle_deg[0]:.9g} … {self.angle_deg[-1]:.9g} deg"
 
 
 class FractionOver(NumberOrCurve):

@@ -137,4 +137,4 @@ _GROUPS: Final = (SOURCES, ELEMENTS, SURFACES, SCATTERS, COATINGS)
 CLASSES: Final[dict[str, type[Described]]] = {
     cls.__name__: cls for group in _GROUPS for cls in group.values()
 }
-"""The classes of sources, elements, surfaces, scatters and coatings by their names, which are public."""
+"""The classes of all kinds that a scene can hold by their names, which are public."""

@@ -26,12 +26,13 @@ class Coatings(Effect):
     """Faces reflect and let pass what their coatings say."""
 
     name: ClassVar[str] = "coatings"
-    what: ClassVar[str] = "what a face reflects and lets pass, by angle and wavelength, is a coating's"
+    what: ClassVar[str] = (
+        "what a face reflects and lets pass, by angle and wavelength, is a coating's"
+    )
     costs: ClassVar[str] = (
         "a look-up an interaction, and what the kinds of coatings take: a search of a table over "
         "angle, complex arithmetic for each layer of a stack"
     )
-    in_text: ClassVar[bool] = True
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:
         """Where a surface has one, or a table over angle."""
@@ -64,6 +65,7 @@ class Coatings(Effect):
             if len(cls.reads):
                 places[f"{cls.reads.name}_SIZE"] = len(cls.reads)
         return EffectParts(
+            coats=True,
             templates=(
                 ("surfaces", "lib/coating"),
                 *(("surfaces", f"coatings/{cls.kernel}") for cls in kinds),
@@ -102,9 +104,9 @@ class Coatings(Effect):
             end += len(nodes)
         found = []
         for surface in surfaces:
-            coat = surface.coat
-            takes = surface.absorbs if coat is None else not coat.lossless
-            found.append((_NONE if coat is None else heads[coat]) << 1 | int(takes))
+            own = surface.coat
+            takes = surface.absorbs if own is None else not own.lossless
+            found.append((_NONE if own is None else heads[own]) << 1 | int(takes))
         draft.launch["coatings"] = draft.add_codes(found or [_NONE << 1])
         draft.launch["coating_head"] = min(heads.values(), default=first)
         draft.geometry = np.concatenate(parts)

@@ -132,9 +132,7 @@ class Coating(Described):
         return {}
 
 
-def meeting(
-    angle_deg: ArrayLike, index: float, index_outside: float, *, inside: bool
-) -> Meeting:
+def meeting(angle_deg: ArrayLike, index: float, index_outside: float, *, inside: bool) -> Meeting:
     """Return how rays meet a face, see `Coating.powers`."""
     angle = np.asarray(angle_deg, np.float64)
     if not ((angle >= 0.0) & (angle <= 90.0)).all():

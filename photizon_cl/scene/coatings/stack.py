@@ -70,6 +70,8 @@ class Layers(Parameter):
     """Layers in order, read as a tuple."""
 
     needs_spectrum = True
+    member = Layer
+    """What stands in the list, for the paths of parameters."""
 
     @property
     def expected(self) -> str:
@@ -213,11 +215,13 @@ class StackCoating(Coating):
     def _amplitudes(self, met: Meeting, nm: float) -> Amplitudes:
         along = met.before * met.sine
         cosine = np.sqrt(np.asarray(met.square, np.complex128))  # i times its size beyond
-        reflected, transmitted = [], []
+        reflected: list[Waves] = []
+        transmitted: list[Waves] = []
         for p in (False, True):
             near = met.cosine / met.before if p else met.before * met.cosine
             far = cosine / met.behind if p else met.behind * cosine
-            e, h = np.ones_like(far), far
+            e: Waves = np.ones_like(far)
+            e = np.ones_like(far, np.complex128)
             passed = np.ones_like(along)
             layers = self.layers if met.inside else self.layers[::-1]
             for layer in layers:

@@ -75,7 +75,7 @@ class Mirror(Surface):
         return scatter_problems(known, most, f"the reflectance, {show(most)}{at}", why)
 
     def packed(self) -> dict[str, float]:
-        """Return the reflectance; of a table over angle, which kernels read elsewhere, its first."""
+        """Return the reflectance; of a table over angle, which stands elsewhere, its first."""
         value = self.reflectance
         return {
             "reflectance": value.value[0] if isinstance(value, AngleCurve) else number_of(value)
