@@ -79,8 +79,8 @@ FN void stack_waves(const film_t *film, mask m, wave_t *s, wave_t *p) {
     for (long k = 0; ANY(m & ILT(lsplat(k), count)); k++) {
         const mask there = m & ILT(lsplat(k), count);
         // from the medium behind the face on: layers stand from outside to inside
-        const lint number = SELI(film->plus, count - 1L - k, lsplat(k));
-        const lint at = first + SELI(there, number, lsplat(0L)) * LAYER_SIZE;
+        const lint number = ${point("stack.order", "SELI(film->plus, count - 1L - k, lsplat(k))")};
+        const lint at = first + SELI(there, number, lsplat(0L)) * SIZE_OF_LAYER;
         const real n = gather(table + LAYER_INDEX, at), kappa = gather(table + LAYER_EXTINCTION, at);
         const real turns = gather(table + LAYER_THICKNESS, at) * wave;
         const complex_t inverse = {gather(table + LAYER_INVERSE, at), gather(table + LAYER_INVERSE_IMAGINARY, at)};

@@ -7,7 +7,7 @@ FN void coat_table(const film_t *film, mask m, weight *r, weight *t) {
     const lint first = SELI(m, film_place(film, COATING_NODES), lsplat(0L));
     const lint last = SELI(m, film_place(film, COATING_COUNT), lsplat(2L)) - 2L;
     const real sine = sqrt(film->sin2);
-    const real angle = degrees_of(SEL(film->plus, sine, film->m * sine), SEL(film->plus, film->ci, film->ct));
+    const real angle = ${point("table.angle", "degrees_of(SEL(film->plus, sine, film->m * sine), SEL(film->plus, film->ci, film->ct))")};
     // the last node that is not above it, and has one behind it
     lint at = lsplat(0L);
     long step = 1;
@@ -15,10 +15,10 @@ FN void coat_table(const film_t *film, mask m, weight *r, weight *t) {
     for (; step > 0; step >>= 1) {
         const lint next = at + step;
         const mask there = ILE(next, last);
-        const mask up = there & LE(gather(table + ANGLE_NODE_ANGLE, first + SELI(there, next, at) * ANGLE_NODE_SIZE), angle);
+        const mask up = there & LE(gather(table + ANGLE_NODE_ANGLE, first + SELI(there, next, at) * SIZE_OF_ANGLE_NODE), angle);
         at = SELI(up, next, at);
     }
-    const lint node = first + at * ANGLE_NODE_SIZE, next = node + ANGLE_NODE_SIZE;
+    const lint node = first + at * SIZE_OF_ANGLE_NODE, next = node + SIZE_OF_ANGLE_NODE;
     const real way = (angle - gather(table + ANGLE_NODE_ANGLE, node)) * gather(table + ANGLE_NODE_DENSITY, node);
     const weight part = TO_WEIGHT(clamp(way, splat(0.0), splat(1.0)));
     const weight low_r = gather_weight(table + ANGLE_NODE_REFLECTANCE, node);

@@ -31,7 +31,7 @@ FN void coat(const encounter_t *event, const material_t *material, mask total, r
     r = SEL_WEIGHT(total, ${point("coatings.total", "fmin(r + t, weight_splat(1.0))")}, r);
     t = SEL_WEIGHT(total, weight_splat(0.0), t);
     const weight w = event->p->w, small = w * fmin(r, t), rest = w - small;
-    const mask lossless = IEQ(material->coating & 1L, lsplat(0L)), mirrors = WEIGHT_GE(r, t);
+    const mask lossless = ${point("coatings.lossless", "IEQ(material->coating & 1L, lsplat(0L))")}, mirrors = WEIGHT_GE(r, t);
     const weight large = SEL_WEIGHT(lossless, rest, fmin(w * fmax(r, t), rest));
     *reflected = SEL_WEIGHT(coated, SEL_WEIGHT(mirrors, large, small), *reflected);
     *passed = SEL_WEIGHT(coated, SEL_WEIGHT(mirrors, small, large), *passed);

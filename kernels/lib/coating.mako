@@ -5,7 +5,7 @@
 // and that pass.  Where nothing passes, beyond the critical angle, what r and t come to is reflected
 // (effects/coatings.mako).
 % for name, place in counts.items():
-% if name.startswith(("COATING_", "ANGLE_NODE_", "LAYER_")):
+% if name.startswith(("COATING_", "ANGLE_NODE_", "LAYER_", "SIZE_OF_")):
 #define ${name} ${place}
 % endif
 % endfor

@@ -27,7 +27,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % if not lossy:
     const mask takes = NO_LANES;
 % else:
-    const mask takes = found${" & INE(coating & 1L, lsplat(0L))" if coats else "".join(f" & INE(SURFACE_OF(h->code), lsplat({s.number}L))" for s in lossless)};
+    const mask takes = found${" & " + point("shade.takes", "INE(coating & 1L, lsplat(0L))") if coats else "".join(f" & INE(SURFACE_OF(h->code), lsplat({s.number}L))" for s in lossless)};
 % endif
 % if packets == 1:
     expect(ledger, element, takes);

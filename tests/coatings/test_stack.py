@@ -185,7 +185,7 @@ def test_along_the_face_everything_is_reflected():
     made = plates([glass(MGF2), glass(METAL)], spectrum={"wavelengths_nm": [550.0]})
     for n, inside in product(range(2), (False, True)):
         r, t = met(made, n, 0, np.array([90.0]), inside=inside)
-        assert t[0] == 0.0
+        assert t[0] < 1e-290
         assert r[0] == 1.0
 
 

@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 
 import photizon_cl as pz
-from oracles.engine import TREE, scene_of
+from oracles.engine import TREE, scene_of, trace
 from oracles.kernels import run_text
 from oracles.scenes import beam, wall
 from photizon_cl.compile.compiled import compile_scene
@@ -45,7 +45,7 @@ __kernel void test(__global const double *geometry, __global const double *mater
     outcome_t o = no_outcome(&p, &c);
     meet_SURFACE(&event, &material, &o);
     const weight none = weight_splat(0.0);
-    const weight second = SEL_WEIGHT(o.splits, o.second_w, none);
+    const weight second = SECOND;
     const mask crossed = c.came_plus ^ o.went_plus;
     STORE(TO_WIDE(SEL_WEIGHT(crossed, second, o.w)), out, i);
     STORE(TO_WIDE(SEL_WEIGHT(crossed, o.w, none)), out + count, i);
@@ -93,7 +93,7 @@ def met(
     )
     tables, spec = made.tables, made.tables.spec
     turn = np.radians(angle)
-    cosine = np.where(angle == 90.0, 0.0, np.cos(turn))
+    cosine = np.where(angle == 90.0, 1e-300, np.cos(turn))  # on a side
     phi = 0.7 * np.arange(count)
     along = np.array(
         [np.sin(turn) * np.cos(phi), np.sin(turn) * np.sin(phi), np.where(inside, cosine, -cosine)]
@@ -108,7 +108,8 @@ def met(
         np.uint32(count),
     ]  # fmt: skip
     real = spec.real
-    text = KERNEL.replace("SURFACE", kind)
+    second = "SEL_WEIGHT(o.splits, o.second_w, none)" if spec.pairs else "none"
+    text = KERNEL.replace("SURFACE", kind).replace("SECOND", second)
     out = run_text(text, arguments, count, lanes=lanes, spec=spec, real=real)[-1]
     return tuple(row[: math.prod(shape)].reshape(shape) for row in out)
 
@@ -178,3 +179,61 @@ def stacks_in_digits() -> None:
         wanted = in_digits(surface, lines[k], math.sin(turn), math.cos(turn), inside=within)
         assert abs(r - wanted[0]) < 3e-14, (n, k, a, within)
         assert abs(t - wanted[1]) < 3e-14, (n, k, a, within)
+
+
+def nothing_is_made_or_lost() -> None:
+    """Parts of stacks without extinction add up to 1, to the rounding of the split."""
+    cases = [glass(MIRROR_OF_12), glass(BAND, 1.7, 1.3)]
+    made = plates(cases, spectrum={"wavelengths_nm": [450.0, 550.0, 650.0]})
+    angles = np.linspace(0.0, 89.0, 40)
+    which, lines = np.arange(2)[:, None, None], np.arange(3)[:, None]
+    for inside in (False, True):
+        r, t = met(made, which, lines, angles, inside)
+        assert np.abs(r + t - 1.0).max() <= 2.0**-53
+
+
+# -- tables ----------------------------------------------------------------------------------------
+
+
+def table_from_both_sides() -> None:
+    """A table over the angle outside, looked up by rays from outside and by those that leave."""
+    nodes, r, t = [0.0, 30.0, 60.0, 90.0], [0.1, 0.3, 0.2, 1.0], [0.8, 0.6, 0.7, 0.0]
+    table = {"kind": "table", "angle_deg": nodes, "reflectance": r, "transmittance": t}
+    made = plates([glass(table, 1.5, 1.2)])
+    outside = np.array([0.0, 1e-6, 12.0, 30.0, 45.0, 59.999, 60.0, 75.0, 89.9])
+    within = np.degrees(np.arcsin(1.2 / 1.5 * np.sin(np.radians(outside))))
+    for angle, inside in ((outside, False), (within, True)):
+        found = met(made, 0, 0, angle, inside)
+        for got, values in zip(found, (r, t), strict=True):
+            # an angle inside is rounded, and counts the more outside the nearer that is to 90
+            room = np.where(outside > 80.0, 1e-12, 1e-14)
+            assert (np.abs(got - np.interp(outside, nodes, values)) < room).all()
+
+
+def beyond_the_critical_angle() -> None:
+    """All that would be reflected or pass is reflected."""
+    made = plates([glass({"kind": "fixed", "reflectance": 0.25, "transmittance": 0.5})])
+    r, t = met(made, 0, 0, np.array([41.0, 42.0, 60.0]), inside=True)
+    assert (r.tolist(), t.tolist()) == ([0.25, 0.75, 0.75], [0.5, 0.0, 0.0])
+
+
+# -- traces ----------------------------------------------------------------------------------------
+
+
+def absorbed_to_the_last_bit() -> None:
+    """A window takes what its coatings leave, and a lossless one nothing, in every batch."""
+    lossy = {"kind": "fixed", "reflectance": 0.25, "transmittance": 0.5}
+    whole = {"kind": "fixed", "reflectance": 0.25, "transmittance": 0.75}
+    boards = [
+        {**wall((10.0 * n, 0, 0), "+z"), "surface": surface}
+        for n, surface in enumerate((glass(lossy), glass(whole), glass(None)))
+    ]
+    lamps = [{**beam((10.0 * n, 0, 1), "-z"), "tilt_deg": [20.0, 0.0]} for n in range(3)]
+    for splitting in (True, False):
+        run = {"rays_per_batch": 96, "splitting": splitting}
+        found = trace(scene_of(lamps, boards, far_field={"n_mu": 2, "n_phi": 4}, run=run))
+        third = found.emitted / 3
+        assert found.absorbed("element 0") == third / 4
+        assert found.absorbed("element 1") == 0
+        assert found.absorbed("element 2") == 0
+        assert max(map(abs, found.closures())) <= (1e-16 if splitting else 0)

@@ -25,7 +25,7 @@ _PREFIX = "coating."
 class Coatings(Effect):
     """Faces reflect and let pass what their coatings say."""
 
-    name: ClassVar[str] = "coatings"
+    name: ClassVar[str] = "coated-faces"
     what: ClassVar[str] = (
         "what a face reflects and lets pass, by angle and wavelength, is a coating's"
     )
@@ -63,7 +63,7 @@ class Coatings(Effect):
         for cls in kinds:
             places |= cls.reads.constants(0)
             if len(cls.reads):
-                places[f"{cls.reads.name}_SIZE"] = len(cls.reads)
+                places[f"SIZE_OF_{cls.reads.name}"] = len(cls.reads)
         return EffectParts(
             coats=True,
             templates=(

@@ -214,14 +214,14 @@ class StackCoating(Coating):
 
     def _amplitudes(self, met: Meeting, nm: float) -> Amplitudes:
         along = met.before * met.sine
-        cosine = np.sqrt(np.asarray(met.square, np.complex128))  # i times its size beyond
+        cosine: Waves = np.sqrt(np.asarray(met.square, np.complex128))  # i times its size beyond
         reflected: list[Waves] = []
         transmitted: list[Waves] = []
         for p in (False, True):
             near = met.cosine / met.before if p else met.before * met.cosine
-            far = cosine / met.behind if p else met.behind * cosine
-            e: Waves = np.ones_like(far)
-            e = np.ones_like(far, np.complex128)
+            far: Waves = cosine / met.behind if p else met.behind * cosine
+            h = far
+            e: Waves = np.ones_like(far, dtype=np.complex128)
             passed = np.ones_like(along)
             layers = self.layers if met.inside else self.layers[::-1]
             for layer in layers:
