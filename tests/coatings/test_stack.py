@@ -169,15 +169,15 @@ def test_no_end_of_the_parameters_is_worse_than_its_phases():
 
 def test_what_hardly_passes_is_known_in_parts_of_itself():
     """A filter that blocks 1e-10: what stray light is made of."""
-    blocking = stack(*[(2.3, 59.8), (1.45, 94.8)] * 18)
+    blocking = stack(*[(2.3, 59.8), (1.45, 94.8)] * 25)
     made = plates([glass(blocking)], spectrum={"wavelengths_nm": [550.0]})
     r, t = met(made, 0, 0, np.array([0.0, 10.0]), inside=False)
     surface = made.scene.element[0].surface
     for k, angle in enumerate((0.0, 10.0)):
         turn = math.radians(angle)
         _, wanted = in_digits(surface, 550.0, math.sin(turn), math.cos(turn), inside=False)
-        assert wanted < 1e-5
-        assert t[k] == pytest.approx(wanted, rel=1e-12)
+        assert wanted < 1e-9
+        assert t[k] == pytest.approx(wanted, rel=1e-11)
         assert r[k] == 1.0 - t[k]
 
 

@@ -212,7 +212,7 @@ MORE: Final[dict[str, Case]] = {
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
         "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
-        "scattering-mirror", "dispersing-prism",
+        "scattering-mirror", "dispersing-prism", "coated-window",
     )},
 }  # fmt: skip
 """What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its
