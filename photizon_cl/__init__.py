@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from photizon_cl.run.result import open_result as open_result
     from photizon_cl.run.simulation import resume as resume
     from photizon_cl.run.simulation import trace as trace
+    from photizon_cl.scene.angles import AngleCurve as AngleCurve
+    from photizon_cl.scene.coatings.stack import Layer as Layer
     from photizon_cl.scene.curves import AbsorptionCurve as AbsorptionCurve
     from photizon_cl.scene.curves import Curve as Curve
     from photizon_cl.scene.detectors.detector import Detector as Detector
@@ -98,6 +100,8 @@ _MODULE_OF: Final[dict[str, str]] = {
     "Spectrum": "photizon_cl.scene.spectrum",
     "Curve": "photizon_cl.scene.curves",
     "AbsorptionCurve": "photizon_cl.scene.curves",
+    "AngleCurve": "photizon_cl.scene.angles",
+    "Layer": "photizon_cl.scene.coatings.stack",
     "Sellmeier": "photizon_cl.scene.media.dispersion",
     "Polynomial": "photizon_cl.scene.media.dispersion",
     "Cauchy": "photizon_cl.scene.media.dispersion",

@@ -233,6 +233,9 @@ class EffectParts:
         Whether its statements at ``travel`` may end a ray on its way.
     densities : bool
         Whether it asks surfaces for the density of what they scatter.
+    coats : bool
+        Whether surfaces ask it what they reflect and let pass (``coat`` in
+        kernels/effects/coatings.mako).
     parameters : tuple of (str, int)
         Counts that the templates ask for.
     """
@@ -255,6 +258,7 @@ class EffectParts:
     orders: bool = False
     ends: bool = False
     densities: bool = False
+    coats: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
 
     def for_tally(self) -> EffectParts:
@@ -434,6 +438,11 @@ class ProgramSpec:
     def densities(self) -> bool:
         """Whether surfaces are asked for the density of what they scatter."""
         return any(part.densities for part in self.parts)
+
+    @property
+    def coats(self) -> bool:
+        """Whether what surfaces reflect and let pass may be a coating's."""
+        return any(part.coats for part in self.parts)
 
     @property
     def recorded(self) -> frozenset[str]:

@@ -1,4 +1,4 @@
-## counts (scatter.<kernel>: number of a model), effects, extras (rays that it sends besides), pairs, densities
+## counts (scatter.<kernel>: number of a model), effects, extras (rays that it sends besides), pairs, densities, coats
 <%
     models = sorted((n, name.removeprefix("scatter.")) for name, n in counts.items() if name.startswith("scatter."))
 %>
@@ -93,7 +93,12 @@ FN void scatter(const launch_t *launch, const scene_t *scene, const packet_t *p,
     reflect(p, c, &mx, &my, &mz);
     const lobe_t lobe = lobe_about(scene, steps, launch->scatter_heads, m, where, c, outcome->went_plus, SEL(sends, outcome->dx, mx),
                                    SEL(sends, outcome->dy, my), SEL(sends, outcome->dz, mz));
+% if coats:
+    // of a child that a coating does not let be there nothing is scattered
+    const weight whole = SEL_WEIGHT(sends, outcome->w, SEL_WEIGHT(relative, weight_splat(0.0), p->w));
+% else:
     const weight whole = SEL_WEIGHT(sends, outcome->w, p->w);
+% endif
     const weight aside = fmin(SEL_WEIGHT(relative, whole, p->w) * TO_WEIGHT(${point("scatter.share", "lobe.tis")}), whole);
     const mask some = m & WEIGHT_GT(aside, weight_splat(0.0));
     // what is scattered: the only ray that goes on${", one beside the first" if extras else ""}${", one beside the second" if extras > 1 else ""}

@@ -1,6 +1,6 @@
 ## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes, events (whether
 ## what happened is asked for), extras (rays that may go on beside two), densities (whether that of what scatters is);
-## strides; counts (band_degree)
+## strides; counts (band_degree); coats (whether there are coatings)
 // What a surface is told of a ray that meets it, and what it answers.
 //
 // Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
@@ -31,6 +31,12 @@ typedef struct {
     long only;
 % if degree:
     real along;   // place in the piece of the band: what a row has are the lowest coefficients
+% endif
+% if coats:
+    const scene_t *scene;
+    lint coating;       // of each lane twice where in codes its coating's head stands, negative of none, and
+                        // 1 more where the element takes what does not go on
+    lint coating_head;  // that place, and of lanes without a coating another's
 % endif
 } material_t;
 

@@ -1,5 +1,5 @@
 ## surfaces (kinds in use: .kind, .number, .single, .absorbs, .splits), effects, recorded, splits, extras, passes,
-## ray_fields (.onward, .second: their values behind a surface)
+## coats (whether there are coatings), ray_fields (.onward, .second: their values behind a surface)
 // What happens to each lane: it escapes, or its surface takes, sends on or splits its weight.
 //
 // reads: packet, hit, contact.  writes: packet (in place), the ledger; `end` says which lanes arrive at a
@@ -19,11 +19,15 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     const mask found = h->found;
     const mask escaped = p->alive & ~found;
     const lint element = ELEMENT_OF(h->code);
+% if coats:
+    const lint coating = gather_long(scene->codes + launch->coatings, SELI(found, ${"material_of_face(h->code)" if "face-surfaces" in effects else "element"}, lsplat(0L)));
+    const lint coating_head = SELI(IGE(coating, lsplat(0L)), coating >> 1, lsplat((long)launch->coating_head));
+% endif
     // the lanes whose element takes what does not go on
 % if not lossy:
     const mask takes = NO_LANES;
 % else:
-    const mask takes = found${"".join(f" & INE(SURFACE_OF(h->code), lsplat({s.number}L))" for s in lossless)};
+    const mask takes = found${" & " + point("shade.takes", "INE(coating & 1L, lsplat(0L))") if coats else "".join(f" & INE(SURFACE_OF(h->code), lsplat({s.number}L))" for s in lossless)};
 % endif
 % if packets == 1:
     expect(ledger, element, takes);
@@ -37,7 +41,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
     outcome_t outcome = no_outcome(p, c);
 % for surface in surfaces:
     {
-        const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}${", p->along" if "piece" in ray_long else ""}};
+        const material_t material = {scene->materials, row, ${f"scene->codes[launch->material_of_kind + {surface.number}]" if surface.single else "-1"}${", p->along" if "piece" in ray_long else ""}${", scene, coating, coating_head" if coats else ""}};
 % if len(surfaces) > 1:
         const encounter_t event = {found & IEQ(SURFACE_OF(h->code), lsplat(${surface.number}L)), p, c, launch->seed};
         if (ANY(event.m))
@@ -64,7 +68,7 @@ FN mask shade(const launch_t *launch, const scene_t *scene, packet_t *p, const h
 % else:
         const image_t kept = image_difference(before, image_of(outcome.w));
 % endif
-% if lossless:
+% if lossless or coats:
         book(ledger, element, takes, kept);
         book_row(launch, ledger, ROW_ESCAPED, escaped, before);
 % else:

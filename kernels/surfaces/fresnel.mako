@@ -1,3 +1,4 @@
+## coats (whether there are coatings: one may say what R and T are in their stead, and what neither has is absorbed)
 // Fresnel: unpolarised reflection and refraction, both children.
 //
 // With n1 on the side of incidence, m = n1/n2 and k = (n2 - n1)(n2 + n1)/n2^2 = 1 - m^2 (the host
@@ -35,8 +36,12 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     const real rp = ${careful("geometry", "k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b)", "(ci - m * ct) / b")};
     const real whole = fmin(${point("fresnel.reflectance", "R(0.5) * fma(rs, rs, rp * rp)")}, splat(1.0));
     const mask total = LE(ct2, splat(0.0));
-    const weight wr = SEL_WEIGHT(total, p->w, p->w * TO_WEIGHT(whole));
-    const weight wt = ${point("fresnel.transmitted", "p->w - wr")};
+<% const = "" if coats else "const " %>\
+    ${const}weight wr = SEL_WEIGHT(total, p->w, p->w * TO_WEIGHT(whole));
+    ${const}weight wt = ${point("fresnel.transmitted", "p->w - wr")};
+% if coats:
+    coat(event, material, total, ci, dot3(sx, sy, sz, sx, sy, sz), ct, ct2, m, &wr, &wt);
+% endif
     real x, y, z;
     reflect(p, c, &x, &y, &z);
     // refracted: m (d - (d.n) n) + sign(d.n) ct n
@@ -45,7 +50,7 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     renormalise(&tx, &ty, &tz);
     const mask reflects = total | WEIGHT_LE(wt, weight_splat(0.0));
     send_on(outcome, event->m, SEL(reflects, x, tx), SEL(reflects, y, ty), SEL(reflects, z, tz),
-            SEL_WEIGHT(reflects, p->w, wt),
+            SEL_WEIGHT(reflects, ${"wr" if coats else "p->w"}, wt),
             SELW(total, wsplat(TOTALLY_REFLECTED), SELW(reflects, wsplat(REFLECTED), wsplat(TRANSMITTED))));
     outcome->went_plus = SELM(event->m & ~reflects, ~c->came_plus, outcome->went_plus);
     send_second(outcome, ${point("fresnel.splits", "event->m & ~reflects & WEIGHT_GT(wr, weight_splat(0.0))")}, x, y, z, wr,

@@ -195,8 +195,14 @@ def _film(one: Element, other: Element, pair: Shared, optics: Mapping[Surface, S
             f"; to cement them, give {_face(one, pair.first_face)} "
             f"{_outside_is(other, pair.second_face, index)} and "
             f"make {_face(other, pair.second_face)} clear"
+            + _coated(other.surface_of(pair.second_face), "which loses its coating")
+            + _coated(one.surface_of(pair.first_face), "the coating then stands in the cement")
         )
     return text
+
+
+def _coated(surface: Surface, text: str) -> str:
+    return "" if surface.coat is None else f", {text}"
 
 
 def _by_face(element: Element) -> bool:

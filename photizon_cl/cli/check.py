@@ -111,6 +111,8 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
             if surface.lobe is not None:
                 line(f"scatter: {surface.lobe.kind}, {_describe(surface.lobe)}", "        ")
                 line(_derived(surface.lobe), "        ")
+            for text in _coating(scene, surface):
+                line(text, "        ")
         line(_derived(element), "    ")
         if element.detector is not None:
             what = _describe(element.detector) or "power"
@@ -134,6 +136,23 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
         out.print()
         line(f"device: {faster}")
     out.print(f"{scene.digest()}", soft_wrap=True)
+
+
+def _coating(scene: Scene, surface: Surface) -> Iterator[str]:
+    """Give what a surface's coating is, and what it does to light head on."""
+    coating = getattr(surface, "coating", None)
+    if coating is None:
+        return
+    more = f"; {_derived(coating)}" if coating.derived() else ""
+    yield f"coating: {coating.kind}, {_describe(coating)}{more}"
+    told = []
+    for nm in _some(scene) if scene.spectrum is not None else [None]:
+        bare = surface.among(scene.index_of(nm))
+        assert bare.indices is not None  # as a border has
+        r, t = coating.powers(0.0, *bare.indices, nm=nm)
+        at = "" if nm is None else f" at {nm:.9g} nm"
+        told.append(f"{float(r):.6g} and {float(t):.6g}{at}")
+    yield f"reflectance and transmittance at normal incidence {', '.join(told)}"
 
 
 def _some(scene: Scene) -> list[float]:

@@ -51,6 +51,7 @@ def call(arguments: argparse.Namespace) -> int:
 def _groups() -> dict[str, Group]:
     """Return the kinds of each group, by what the group's members are called."""
     from photizon_cl.scene.registry import (
+        COATINGS,
         DETECTORS,
         ELEMENTS,
         MEDIA,
@@ -59,7 +60,15 @@ def _groups() -> dict[str, Group]:
         SURFACES,
     )
 
-    groups: tuple[Group, ...] = (SOURCES, ELEMENTS, SURFACES, SCATTERS, DETECTORS, MEDIA)
+    groups: tuple[Group, ...] = (
+        SOURCES,
+        ELEMENTS,
+        SURFACES,
+        SCATTERS,
+        COATINGS,
+        DETECTORS,
+        MEDIA,
+    )
     return {next(iter(group.values())).label: group for group in groups}
 
 

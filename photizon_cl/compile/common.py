@@ -88,4 +88,6 @@ def kinds_of(scene: Scene) -> tuple[str, ...]:
 
 
 def _optics_of(surface: Surface) -> str:
-    return surface.kernel + (f"+{surface.lobe.kernel}" if surface.lobe is not None else "")
+    lobe, coat = surface.lobe, surface.coat
+    more = (f"+{lobe.kernel}" if lobe is not None else "", f"&{coat.kernel}" if coat else "")
+    return surface.kernel + "".join(more)

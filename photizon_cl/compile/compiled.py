@@ -186,9 +186,10 @@ def compile_scene(
     axes = [None] * len(axes) if draft.all_tilted else axes
     draft.classes, class_of = element_classes(scene, kinds, axes)
     draft.grid = Grid.of(scene, by_line=layout.parts > 0)
-    materials, draft.materials = material_table(scene, stride, draft.grid)
+    materials, draft.materials = material_table(scene, kinds, stride, draft.grid)
     draft.material_of = [draft.materials[element.surfaces[0]] for element in scene.element]
     surfaces = surface_kinds(kinds, draft.materials, common, divided=layout.parts > 0)
+    draft.coatings = tuple(sorted(kinds.coatings, key=lambda cls: cls.kernel))
     draft.scatters = tuple(sorted(kinds.scatters, key=lambda cls: cls.kernel))
     draft.surface_numbers = {surface.kind: surface.number for surface in surfaces}
     sources = source_kinds(scene, kinds)
@@ -332,9 +333,12 @@ def _kinds_in_use(scene: Scene) -> dict[str, str]:
     for e in scene.element:
         things += [("element", e, e.name), *(("surface", s, e.name) for s in e.surfaces)]
         things += [("scatter", s.lobe, e.name) for s in e.surfaces if s.lobe is not None]
+        things += [("coating", c, e.name) for s in e.surfaces if (c := s.coat) is not None]
     for group, thing, name in things:
         found.setdefault(
             f"{group}.{thing.kind}",
-            f'"{name}" has one' if group in ("surface", "scatter") else f'"{name}" is one',
+            f'"{name}" has one'
+            if group in ("surface", "scatter", "coating")
+            else f'"{name}" is one',
         )
     return found

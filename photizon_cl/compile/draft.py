@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from hostcode.program.spec import ElementClass, Strides
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.compile.rays import Beam
+    from photizon_cl.scene.coatings import Coating
     from photizon_cl.scene.filters.base import Filter
     from photizon_cl.scene.frames import Vec3
     from photizon_cl.scene.model import Scene
@@ -61,6 +62,8 @@ class Draft:
         Number of each surface kind, by its kernel.
     scatters : tuple of type
         Classes of the scatter models that are compiled in, by name.
+    coatings : tuple of type
+        Classes of the coatings that are compiled in, by name.
     beams : tuple of Beam
         What each row of the source table is.
     grid : Grid
@@ -85,6 +88,7 @@ class Draft:
     materials: dict[Surface, int] = field(default_factory=dict)
     surface_numbers: dict[str, int] = field(default_factory=dict)
     scatters: tuple[type[Scatter], ...] = ()
+    coatings: tuple[type[Coating], ...] = ()
     beams: tuple[Beam, ...] = ()
     grid: Grid = field(default_factory=lambda: Grid((None,)))
     codes: list[int] = field(default_factory=list)

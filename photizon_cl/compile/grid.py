@@ -132,12 +132,26 @@ def _varying(scene: Scene) -> list[Numbers]:
     return list(found.values())
 
 
-def numbers_of(scene: Scene, surface: Surface) -> Numbers:
-    """Return what a surface's row has over wavelength."""
+def numbers_of(scene: Scene, surface: Surface, own: int = 0) -> Numbers:
+    """Return what a surface's row has over wavelength, and behind it what its coating's has.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    surface : Surface
+        One of its surfaces.
+    own : int
+        Where in the row the coating's columns begin at least.
+    """
 
     def numbers(nm: float | None) -> list[float]:
         optics = surface.among(scene.index_of(nm)).at(nm)
-        return optics.row.pack(optics.packed())
+        row, coat = optics.row.pack(optics.packed()), optics.coat
+        if coat is None or optics.indices is None:
+            return row
+        blank = [0.0] * (own - len(row))
+        return [*row, *blank, *coat.row.pack(coat.packed(optics.indices, nm))]
 
     return numbers
 

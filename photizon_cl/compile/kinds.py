@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.scene.registry import ELEMENTS, SCATTERS, SOURCES, SURFACES
+from photizon_cl.scene.registry import COATINGS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from photizon_cl.scene.coatings import Coating
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.scatters import Scatter
@@ -19,12 +20,18 @@ if TYPE_CHECKING:
 
 __all__ = ["ALL_KINDS", "Kinds"]
 
-_GROUPS: Final[tuple[Mapping[str, type[Any]], ...]] = (SOURCES, ELEMENTS, SURFACES, SCATTERS)
+_GROUPS: Final[tuple[Mapping[str, type[Any]], ...]] = (
+    SOURCES,
+    ELEMENTS,
+    SURFACES,
+    SCATTERS,
+    COATINGS,
+)
 
 ALL_KINDS: Final[Mapping[str, type[Any]]] = MappingProxyType(
     {f"{cls.label}.{kind}": cls for group in _GROUPS for kind, cls in group.items()}
 )
-"""Every kind of source, element, surface and scatter, by ``group.kind``."""
+"""Every kind of source, element, surface, scatter and coating, by ``group.kind``."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +40,7 @@ class Kinds:
 
     Parameters
     ----------
-    sources, elements, surfaces, scatters : tuple of type
+    sources, elements, surfaces, scatters, coatings : tuple of type
         The classes.
     n_elements : int
         Elements of the scene.
@@ -45,6 +52,7 @@ class Kinds:
     elements: tuple[type[Element], ...]
     surfaces: tuple[type[Surface], ...]
     scatters: tuple[type[Scatter], ...]
+    coatings: tuple[type[Coating], ...]
     n_elements: int
     general: bool = False
 
@@ -63,6 +71,10 @@ class Kinds:
             group(
                 "scatter",
                 [type(s.lobe) for e in scene.element for s in e.surfaces if s.lobe is not None],
+            ),
+            group(
+                "coating",
+                [type(c) for e in scene.element for s in e.surfaces if (c := s.coat) is not None],
             ),
             len(scene.element),
             general,

@@ -64,10 +64,15 @@ def strides(kinds: Kinds, effects: Sequence[Effect]) -> Strides:
     return Strides(
         row=-(-(element + _FRAME) // line) * line,
         row_frame=element,
-        material=max((len(s.row) for s in kinds.surfaces), default=0),
+        material=_own_columns(kinds) + max((len(c.row) for c in kinds.coatings), default=0),
         source=source + _FRAME,
         source_frame=source,
     )
+
+
+def _own_columns(kinds: Kinds) -> int:
+    """Return the columns of a material's row that are its surface's; behind are its coating's."""
+    return max((len(s.row) for s in kinds.surfaces), default=0)
 
 
 def columns(
@@ -79,6 +84,7 @@ def columns(
         *_places(effects, stride),
         (kinds.elements, len(POSITION)),
         (kinds.surfaces, 0),
+        (kinds.coatings, _own_columns(kinds)),
         (kinds.sources, len(SOURCE)),
     )
     for things, first in groups:
@@ -284,13 +290,14 @@ def geometry_table(
 
 
 def material_table(
-    scene: Scene, stride: Strides, grid: Grid
+    scene: Scene, kinds: Kinds, stride: Strides, grid: Grid
 ) -> tuple[list[float], dict[Surface, int]]:
     """Rows of the distinct surfaces in order, and where in them that of each begins.
 
     A surface has a row for each line of the grid, or for each coefficient in each of its pieces.
     """
     rows: dict[tuple[str, tuple[float, ...]], int] = {}
+    own = _own_columns(kinds)
     length = stride.material * grid.n * (grid.degree + 1)
     places: dict[Surface, int] = {}
     for element in scene.element:
@@ -298,7 +305,7 @@ def material_table(
             if surface in places:
                 continue
             values: list[float] = []
-            for row in grid.rows(numbers_of(scene, surface)):
+            for row in grid.rows(numbers_of(scene, surface, own)):
                 values += [*row, *(0.0,) * (stride.material - len(row))]
             places[surface] = rows.setdefault((surface.kind, tuple(values)), len(rows) * length)
     return [x for _, row in rows for x in row], places
@@ -319,7 +326,9 @@ def surface_kinds(
     splitting = common.splitting if common else frozenset()
     rows: dict[str, set[int]] = {cls.kernel: set() for cls in kinds.surfaces}
     made: dict[str, Surface | type[Surface]] = {}
+    takes = {cls.kernel: cls.absorbs is True for cls in kinds.surfaces}
     for surface, at in materials.items():
+        takes[surface.kernel] = takes.get(surface.kernel, False) or surface.absorbs
         rows.setdefault(surface.kernel, set()).add(at)
         kept = made.get(surface.kernel, surface)
         made[surface.kernel] = surface if surface.splits else kept
@@ -330,8 +339,8 @@ def surface_kinds(
             kind,
             n,
             single=not (len(rows[kind]) > 1 or kind in several or kinds.general or divided),
-            absorbs=made[kind].absorbs,
             # of a class whose objects each say it, what the most that they say is
+            absorbs=takes[kind],
             splits=made[kind].splits is not False or kind in splitting,
             counts=made[kind].counts,
             refracts=made[kind].refracts,

@@ -23,11 +23,13 @@ __all__ = [
     "LONGEST_NM",
     "SHORTEST_NM",
     "AbsorptionCurve",
+    "BoundedCurve",
     "Curve",
     "NumberOrCurve",
     "OverWavelength",
     "ascending_nm",
     "at_wavelength",
+    "bounded_fraction",
     "fraction_or_curve",
     "interpolated",
     "lengths_agree",
@@ -170,6 +172,16 @@ class Curve(_Table):
 
 
 @dataclass(frozen=True)
+class BoundedCurve(Curve):
+    """The same of something that is refused outside its table: a coating."""
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        """Wavelengths in nanometres between which it is known."""
+        return self.wavelength_nm[0], self.wavelength_nm[-1]
+
+
+@dataclass(frozen=True)
 class AbsorptionCurve(_Table):
     """An absorption coefficient over wavelength, linear between its nodes and constant outside.
 
@@ -254,6 +266,26 @@ def fraction_or_curve(meaning: str, hint: str = "") -> dict[str, Parameter]:
     return declare(
         NumberOrCurve(Curve, form, "a number in [0, 1]", 0.0, 1.0, meaning=meaning, hint=hint)
     )
+
+
+class BoundedFraction(NumberOrCurve):
+    """A number in [0, 1], or a table of such over wavelength that is refused outside."""
+
+    def __init__(self, meaning: str, hint: str = "") -> None:
+        form = "{ wavelength_nm = [..], value = [..] }"
+        super().__init__(
+            BoundedCurve, form, "a number in [0, 1]", 0.0, 1.0, meaning=meaning, hint=hint
+        )
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:
+        if type(value) is Curve:
+            return BoundedCurve(value.wavelength_nm, value.value)
+        return super().read(value, path, problems)
+
+
+def bounded_fraction(meaning: str, hint: str = "") -> dict[str, Parameter]:
+    """Declare a number in [0, 1], or a table over wavelength that is refused outside."""
+    return declare(BoundedFraction(meaning, hint))
 
 
 def number_of(value: float | Curve) -> float:

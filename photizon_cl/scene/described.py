@@ -133,7 +133,7 @@ class Described:
             if isinstance(value, Described):
                 values[key] = value.to_table()
             else:
-                values[key] = list(value) if isinstance(value, tuple) else value
+                values[key] = _listed(value) if isinstance(value, tuple) else value
         default = {key for key in values if getattr(self, key) == default_of(type(self), key)}
         for key in values.keys() - default:
             for other in default.intersection(self.alternatives.get(key, ())):
@@ -142,6 +142,10 @@ class Described:
             return values
         head = {"name": values.pop("name")} if "name" in values else {}
         return {**head, "kind": self.kind, **values}
+
+
+def _listed(values: tuple[Any, ...]) -> list[Any]:
+    return [v.to_table() if isinstance(v, Described) else v for v in values]
 
 
 def _known(value: object) -> Any:

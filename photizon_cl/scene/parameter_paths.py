@@ -221,6 +221,7 @@ class _Way:
                 at[part] = self.absent(part, isinstance(parameter, NestedList))
             found = at[part]
             self.cls = parameter.base if isinstance(parameter, Nested) else None
+            self.cls = self.cls or getattr(parameter, "member", None)
         if isinstance(found, dict):
             self.cls = self.kind(found)
         if not isinstance(found, dict | list):

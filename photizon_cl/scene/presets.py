@@ -23,6 +23,7 @@ _NAMES: Final = (
     "aspheric-condenser",
     "scattering-mirror",
     "dispersing-prism",
+    "coated-window",
 )
 
 _ANCHOR: Final = "Anchor:"

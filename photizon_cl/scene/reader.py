@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
 from photizon_cl.errors import MOST_PROBLEMS, Problem, SceneError, join, key, show
+from photizon_cl.scene.coatings import Coating
 from photizon_cl.scene.described import (
     Described,
     Known,
@@ -22,7 +23,7 @@ from photizon_cl.scene.elements import Element
 from photizon_cl.scene.limits import MOST_CHARACTERS
 from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.parameters import BAD
-from photizon_cl.scene.registry import ELEMENTS, SCATTERS, SOURCES, SURFACES
+from photizon_cl.scene.registry import COATINGS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 from photizon_cl.scene.scatters import Scatter
 from photizon_cl.scene.sources import Source
 from photizon_cl.scene.surfaces import Surface
@@ -32,6 +33,7 @@ KINDS: Final[dict[type[Described], Mapping[str, type[Described]]]] = {
     Source: SOURCES,
     Surface: SURFACES,
     Scatter: SCATTERS,
+    Coating: COATINGS,
 }
 """Classes by the kind that a table names, for each base that has kinds."""
 

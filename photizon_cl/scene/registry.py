@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, TypeVar
 
+from photizon_cl.scene.coatings.fixed import FixedCoating as FixedCoating
+from photizon_cl.scene.coatings.stack import StackCoating as StackCoating
+from photizon_cl.scene.coatings.table import TableCoating as TableCoating
 from photizon_cl.scene.described import Described
 from photizon_cl.scene.detectors.detector import Detector as _Detector
 from photizon_cl.scene.elements.baffled_tube import BaffledTube as BaffledTube
@@ -49,6 +52,7 @@ from photizon_cl.scene.surfaces.mirror import Mirror as Mirror
 from photizon_cl.scene.surfaces.mixed import Mixed as Mixed
 
 if TYPE_CHECKING:
+    from photizon_cl.scene.coatings.base import Coating as _Coating
     from photizon_cl.scene.elements.base import Element as _Element
     from photizon_cl.scene.filters.base import Filter as _Filter
     from photizon_cl.scene.scatters.base import Scatter as _Scatter
@@ -98,6 +102,12 @@ SCATTERS: Final[dict[str, type[_Scatter]]] = _by_kind(
     TableScatter,
 )
 
+COATINGS: Final[dict[str, type[_Coating]]] = _by_kind(
+    FixedCoating,
+    TableCoating,
+    StackCoating,
+)
+
 SOURCES: Final[dict[str, type[_Source]]] = _by_kind(
     IsotropicPoint,
     CosinePoint,
@@ -122,9 +132,9 @@ FILTERS: Final[dict[str, type[_Filter]]] = {
     )
 }
 
-_GROUPS: Final = (SOURCES, ELEMENTS, SURFACES, SCATTERS)
+_GROUPS: Final = (SOURCES, ELEMENTS, SURFACES, SCATTERS, COATINGS)
 
 CLASSES: Final[dict[str, type[Described]]] = {
     cls.__name__: cls for group in _GROUPS for cls in group.values()
 }
-"""The classes of sources, elements, surfaces and scatters by their names, which are public."""
+"""The classes of all kinds that a scene can hold by their names, which are public."""

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import Problem, join, show
+from photizon_cl.scene.curves import BoundedCurve
 from photizon_cl.scene.described import Described, Known, parameters_of
 from photizon_cl.scene.media.catalogue import known_glass
 from photizon_cl.scene.spectrum import Spectrum
@@ -50,8 +51,9 @@ def spectral_problems(known: Known, groups: Sequence[str]) -> list[Problem]:
         return []
     wavelengths, bands = spectrum.get(key), key == "edges_nm"
     n = len(wavelengths) - bands
-    problems = []
+    problems: list[Problem] = []
     for path, thing in things:
+        problems += _outside(thing, path, wavelengths)
         for item, parameter in parameters_of(thing.cls).items():
             value = thing.get(item)
             listed = parameter.needs_spectrum and isinstance(value, tuple)
@@ -67,6 +69,21 @@ def spectral_problems(known: Known, groups: Sequence[str]) -> list[Problem]:
                 if bands and not problems:
                     problems += _gaps(value, join(path, item), thing.get("name"), wavelengths)
     return problems
+
+
+def _outside(value: Any, path: str, wavelengths: Sequence[float]) -> Iterator[Problem]:
+    """Give the problem of each table in an object that is refused outside, and ends too early."""
+    if isinstance(value, BoundedCurve):
+        low, high = value.domain
+        wrong = [nm for nm in wavelengths if not low <= nm <= high]
+        if wrong:
+            more = f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+            expected = f"a table that reaches {wrong[0]:.9g} nm{more}, as [spectrum] does"
+            hint = "what a coating does is not extrapolated"
+            yield Problem(path, f"one from {low:.9g} to {high:.9g} nm", expected, hint=hint)
+    elif isinstance(value, Known):
+        for item in parameters_of(value.cls):
+            yield from _outside(value.get(item), join(path, item), wavelengths)
 
 
 def _faults(

@@ -18,6 +18,7 @@ from oracles import (
     aiming,
     branching,
     chance,
+    coatings,
     contacts,
     gates,
     kernels,
@@ -606,6 +607,46 @@ MUTANTS = (
         'every medium is the right one',
         {'media.wrong': 'NO_LANES'},
         media.wrong,
+    ),
+    Mutant(
+        'a stack reflects as if all light were s',
+        {'stack.reflected': 'reflected_part(&s)'},
+        coatings.stacks_in_digits,
+    ),
+    Mutant(
+        'p passes a stack as s does',
+        {'stack.passed': 'passed_part(&s)'},
+        coatings.stacks_in_digits,
+    ),
+    Mutant(
+        'layers stand in one order from either side',
+        {'stack.order': 'lsplat(k)'},
+        coatings.stacks_in_digits,
+    ),
+    Mutant(
+        'light comes from outside, whichever side it is on',
+        {'coatings.side': 'ALL_LANES'},
+        coatings.table_from_both_sides,
+    ),
+    Mutant(
+        'a table is read at the angle inside',
+        {'table.angle': 'degrees_of(sine, film->ci)'},
+        coatings.table_from_both_sides,
+    ),
+    Mutant(
+        'what would pass beyond the critical angle is lost',
+        {'coatings.total': 'r'},
+        coatings.beyond_the_critical_angle,
+    ),
+    Mutant(
+        'a stack without extinction loses by rounding',
+        {'coatings.lossless': 'NO_LANES'},
+        coatings.nothing_is_made_or_lost,
+    ),
+    Mutant(
+        'what a coating takes is not booked',
+        {'shade.takes': 'NO_LANES'},
+        coatings.absorbed_to_the_last_bit,
     ),
     Mutant(
         'all rays are of the first line',

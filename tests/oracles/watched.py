@@ -37,6 +37,7 @@ _SURFACES: Final[dict[str, dict[str, Any]]] = {
     "matt": {"kind": "lambertian", "reflectance": 0.6},
     "glass": {"kind": "fresnel", "index": 1.5},
     "dyed": {"kind": "fresnel", "medium": "dyed", "medium_outside": "vacuum"},
+    "by angle": {"kind": "mirror", "reflectance": {"angle_deg": [0, 60], "value": [0.9, 0.6]}},
     "clear": {"kind": "clear"},
     "mixed": {"kind": "mixed", "specular": 0.3, "diffuse": 0.5},
 }
@@ -47,8 +48,20 @@ _LOBES: Final[dict[str, dict[str, Any]]] = {
     "lambertian": {"kind": "lambertian", "tis": 0.2},
     "table": {"kind": "table", "delta": [0.1, 0.5, 1.0], "bsdf_per_sr": [0.3, 0.1, 0.02]},
 }
+_STACK: Final = [
+    {"index": 1.38, "thickness_nm": 99.6}, {"index": 2.3, "extinction": 0.1, "thickness_nm": 30.0}
+]  # fmt: skip
+_COATINGS: Final[dict[str, dict[str, Any]]] = {
+    "glass": {"kind": "fixed", "reflectance": 0.3, "transmittance": 0.6},
+    "glass, harvey-shack": {
+        "kind": "table", "angle_deg": [0.0, 30.0, 90.0], "reflectance": [0.2, 0.3, 1.0],
+        "transmittance": [0.7, 0.7, 0.0],
+    },
+    "dyed, lambertian": {"kind": "stack", "layers": _STACK},
+}  # fmt: skip
+"""What glass of these names has; stacks where there is a spectrum."""
 for _surface, _lobe in (
-    ("mirror", "abg"), ("mirror", "gaussian"), ("glass", "harvey-shack"), ("dyed", "lambertian"),
+    ("mirror", "abg"), ("by angle", "gaussian"), ("glass", "harvey-shack"), ("dyed", "lambertian"),
     ("black", "table"),
 ):  # fmt: skip
     _SURFACES[f"{_surface}, {_lobe}"] = {**_SURFACES[_surface], "scatter": _LOBES[_lobe]}
@@ -66,14 +79,14 @@ def every_kind(light: str = "") -> dict[str, Any]:
     """Return the tables of a scene with every kind of element, surface, source and tally.
 
     Each element is a metre from the middle, where the sources are, in a round room with a port. Of
-    ``lines`` or ``bands`` glass disperses, a medium, mirrors and walls have tables over wavelength,
-    and detectors tell lines apart.
+    ``lines`` or ``bands`` glass disperses and a part of it has a stack of films, a medium, mirrors
+    and walls have tables over wavelength, and detectors tell lines apart.
     """
     elements = [
         ("+x", "-x", "black", {"kind": "rectangle", "half_width": 0.4, "half_height": 0.3},
          {"map": [3, 2], "generations": 4}),
         ("-x", "+x", "mirror, abg", {"kind": "disk", "radius": 0.4, "inner_radius": 0.1}, None),
-        ("+y", "-y", "mirror, gaussian",
+        ("+y", "-y", "by angle, gaussian",
          {"kind": "cpc", "exit_radius": 0.1, "acceptance_deg": 40.0}, None),
         ("-y", "-y", "matt", {"kind": "baffled-tube", "half_width": 0.3, "length": 0.5,
                               "baffles": 1, "clear_half_width": 0.1}, None),
@@ -109,6 +122,8 @@ def every_kind(light: str = "") -> dict[str, Any]:
         at = [where.count(f"+{x}") - where.count(f"-{x}") for x in "xyz"]
         row = {"name": f"element {n}", "position": [float(x) for x in at], "axis": axis, **shape}
         row["surface"] = _SURFACES[surface]
+        if surface in _COATINGS and (light or "stack" not in _COATINGS[surface].values()):
+            row["surface"] = {**row["surface"], "coating": _COATINGS[surface]}
         if detector is not None:
             row["detector"] = detector
         rows.append(row)
@@ -118,7 +133,7 @@ def every_kind(light: str = "") -> dict[str, Any]:
         cauchy = {"kind": "cauchy", "A": 1.38, "B_um2": 0.006}
         dyed = {"name": "dyed", "dispersion": cauchy, "absorption_per_m": per_m}
         for row in rows:
-            if "reflectance" in row["surface"]:
+            if isinstance(row["surface"].get("reflectance"), float):
                 row["surface"] = {**row["surface"], "reflectance": _OVER_NM}
             if "detector" in row:
                 row["detector"] = {**row["detector"], "wavelengths": True}
@@ -197,7 +212,7 @@ MORE: Final[dict[str, Case]] = {
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
         "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
-        "scattering-mirror", "dispersing-prism",
+        "scattering-mirror", "dispersing-prism", "coated-window",
     )},
 }  # fmt: skip
 """What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its

@@ -18,7 +18,7 @@ import pytest
 from oracles import watched
 
 from photizon_cl.scene.presets import preset_names
-from photizon_cl.scene.registry import ELEMENTS, FILTERS, SCATTERS, SOURCES, SURFACES
+from photizon_cl.scene.registry import COATINGS, ELEMENTS, FILTERS, SCATTERS, SOURCES, SURFACES
 
 ROOT = Path(__file__).resolve().parents[2]
 PYTHONPATH = os.pathsep.join((str(ROOT / "tests"), str(ROOT)))
@@ -75,6 +75,10 @@ def test_the_scene_has_every_kind():
     assert kinds(row["surface"] for row in scene["element"]) == set(SURFACES)
     lobes = [row["surface"].get("scatter") for row in scene["element"]]
     assert kinds(lobe for lobe in lobes if lobe) == set(SCATTERS)
+    lit = watched.every_kind("lines")["element"]
+    assert kinds(row["surface"]["coating"] for row in lit if "coating" in row["surface"]) == set(
+        COATINGS
+    )
     stems = set()
     for light in ("", "lines", "bands"):
         made = watched.compiled(watched.load(watched.every_kind(light)))

@@ -20,7 +20,7 @@ from photizon_cl.errors import SceneError
 from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.files import load
 from photizon_cl.scene.presets import preset_names
-from photizon_cl.scene.registry import ELEMENTS, SCATTERS, SOURCES, SURFACES
+from photizon_cl.scene.registry import COATINGS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 
 if TYPE_CHECKING:
     from oracles.engine import Traced
@@ -30,7 +30,10 @@ sys.path.insert(0, str(ROOT / "docs" / "_ext"))
 
 from photizon_docs.examples import example, guess  # noqa: E402
 
-GROUPS = {"element": ELEMENTS, "surface": SURFACES, "source": SOURCES, "scatter": SCATTERS}
+GROUPS = {
+    "element": ELEMENTS, "surface": SURFACES, "source": SOURCES, "scatter": SCATTERS,
+    "coating": COATINGS,
+}  # fmt: skip
 ROWS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]
 every_kind = pytest.mark.parametrize(("group", "kind"), ROWS, ids=[f"{g}-{k}" for g, k in ROWS])
 every_effect = pytest.mark.parametrize("effect", EFFECTS, ids=[e.name for e in EFFECTS])
@@ -49,6 +52,7 @@ def of_kind(scene: pz.Scene, group: str, kind: str) -> Any:
         "element": scene.element, "source": scene.source,
         "surface": [e.surface for e in scene.element],
         "scatter": [e.surface.lobe for e in scene.element if e.surface.lobe is not None],
+        "coating": [e.surface.coat for e in scene.element if e.surface.coat is not None],
     }[group]  # fmt: skip
     return next(thing for thing in things if thing.kind == kind)
 
@@ -131,13 +135,18 @@ def everything() -> pz.Scene:
     for n, cls in enumerate(SCATTERS.values()):
         optics = replace(surface(takers[n % len(takers)]), scatter=cls(**guess(cls)))
         elements.append(replace(flat, detector=None, surface=optics))
+    # and every coating on glass
+    elements += [
+        replace(flat, detector=None, surface=replace(surface(kind), coating=cls(**guess(cls))))
+        for cls in COATINGS.values()
+    ]
     step = 2.2 * max(shape.reach for shape in shapes)
     side = range(-1, 2)
     places = sorted(itertools.product(side, side, side), key=lambda p: sum(map(abs, p)))
     assert len(elements) <= len(places), "the grid is full: make it larger"
     stand = [
         replace(element, name=f"{n} {element.kind}", position=tuple(step * x for x in place),
-                tilt_deg=(20.0 * n, 30.0) if n % 2 else (0.0, 0.0))
+                tilt_deg=(20.0 * n % 360.0, 30.0) if n % 2 else (0.0, 0.0))
         for n, (element, place) in enumerate(zip(elements, places, strict=False))
     ]  # fmt: skip
     room = pz.Sphere(

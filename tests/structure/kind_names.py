@@ -16,13 +16,13 @@ import tokenize
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from photizon_cl.scene.registry import ELEMENTS, SCATTERS, SOURCES, SURFACES
+from photizon_cl.scene.registry import COATINGS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 ADJECTIVES = ("gaussian", "lambertian", "table")
-"""Kinds of scatter that are words of their own, or other kinds as well."""
+"""Kinds of scatter that are words of their own, or other kinds as well; so are all coatings."""
 KINDS = {kind: cls for group in (SOURCES, ELEMENTS, SURFACES) for kind, cls in group.items()}
 KINDS |= {kind: cls for kind, cls in SCATTERS.items() if kind not in ADJECTIVES}
 ORDINARY = {"disk_usage"}
@@ -110,7 +110,7 @@ def in_kernel(text: str, kinds: Iterable[str]) -> Iterator[tuple[int, str]]:
 def places(root: Path) -> list[tuple[str, int, str]]:
     """Return file, line and kind of each place where the product names one beside its own file."""
     product = root / "photizon_cl"
-    classes = (*KINDS.values(), *SCATTERS.values())
+    classes = (*KINDS.values(), *SCATTERS.values(), *COATINGS.values())
     own = {Path(inspect.getfile(cls)) for cls in classes}
     own |= {root / "kernels" / f"{cls.label}s" / f"{cls.kernel}.mako" for cls in classes}
     # the list of kinds, and that of presets, whose names say what they show

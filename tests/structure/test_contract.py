@@ -36,6 +36,7 @@ from hostcode.program.source import program_source
 from photizon_cl.compile.effects.table import EFFECT_ROWS, EFFECTS
 from photizon_cl.compile.packing import POSITION, SOURCE
 from photizon_cl.geometry.outlines import cut, edges, facets
+from photizon_cl.scene.coatings.base import HEAD as COATING
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SURFACES
 from photizon_cl.scene.scatters.base import HEAD
 
@@ -49,7 +50,8 @@ def test_rows_stand_in_the_tables_under_their_names(group, kind):
     spec, tables = made.tables.spec, made.tables
     places = dict(spec.columns)
     first = {
-        "element": len(POSITION), "surface": 0, "source": len(SOURCE), "scatter": 0
+        "element": len(POSITION), "surface": 0, "source": len(SOURCE), "scatter": 0,
+        "coating": max(len(cls.row) for cls in {type(e.surface) for e in scene.element}),
     }[group]  # fmt: skip
     constants = thing.row.constants(first)
     if group == "scatter":  # its columns are an effect's own
@@ -68,6 +70,14 @@ def test_rows_stand_in_the_tables_under_their_names(group, kind):
         head = int(tables.codes[tables.launch["scatter"] + at]) >> 1
         row = tables.geometry[tables.codes[head + HEAD.constants(0)["SCATTER_ROW"]] :]
         packed = thing.packed()
+    elif group == "coating":
+        at = next(n for n, e in enumerate(scene.element) if e.surface.coat is thing)
+        row = tables.materials[int(tables.codes[tables.launch["material_of"] + at]) :]
+        packed = thing.packed(scene.element[at].surface.indices, scene.wavelengths[0])
+        head = int(tables.codes[tables.launch["coatings"] + at]) >> 1
+        nodes = int(tables.codes[head + COATING.constants(0)["COATING_NODES"]])
+        there = np.ravel(np.array(thing.nodes))
+        assert tables.geometry[nodes : nodes + len(there)].tolist() == there.tolist()
     elif group == "source":
         row = tables.sources[scene.source.index(thing) * spec.strides.source :]
         packed = thing.packed()
@@ -109,6 +119,7 @@ def rendered() -> tuple[str, ...]:
 def declared() -> dict[str, str]:
     """Return every declared column's constant, and the row that it is of."""
     rows = [POSITION, SOURCE, *(cls.row for kinds in GROUPS.values() for cls in kinds.values())]
+    rows += [cls.reads for cls in GROUPS["coating"].values()] + [COATING]
     return {name: name.removesuffix(f"_{c.name.upper()}") for row in rows
             for name, c in zip(row.constants(0), row.columns, strict=True)}  # fmt: skip
 
@@ -123,7 +134,9 @@ def strangers(text: str) -> set[str]:
 @every_kind
 def test_every_declared_column_is_read_by_a_kernel(group, kind):
     used = set().union(*map(words, rendered()))
-    assert not [name for name in GROUPS[group][kind].row.constants(0) if name not in used]
+    cls = GROUPS[group][kind]
+    names = [*cls.row.constants(0), *(cls.reads.constants(0) if group == "coating" else ())]
+    assert not [name for name in names if name not in used]
 
 
 def test_a_kernel_reads_no_column_that_no_class_declares():

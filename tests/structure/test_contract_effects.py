@@ -68,6 +68,7 @@ def test_each_kind_has_its_part_in_that_scene(group, kind):
         "element": lambda e: e.kind,
         "surface": lambda e: e.surface.kind,
         "scatter": lambda e: e.surface.lobe.kind if e.surface.lobe is not None else "",
+        "coating": lambda e: e.surface.coat.kind if e.surface.coat is not None else "",
     }[group]
     wanted = {n for n, e in enumerate(things) if kind == of(e)}
     assert wanted & set(met.element.tolist())

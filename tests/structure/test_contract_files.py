@@ -39,6 +39,7 @@ def test_a_scene_of_everything_comes_back(tmp_path):
         "surface": {e.surface.kind for e in scene.element},
         "source": {s.kind for s in scene.source},
         "scatter": {e.surface.lobe.kind for e in scene.element if e.surface.lobe is not None},
+        "coating": {e.surface.coat.kind for e in scene.element if e.surface.coat is not None},
     }
     assert kinds == {group: set(rows) for group, rows in GROUPS.items()}
     for again in given_back(scene, tmp_path):

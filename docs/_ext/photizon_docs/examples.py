@@ -308,6 +308,12 @@ def _by_itself(
     if group == "scatter":
         surface = {"kind": "mirror", "reflectance": 0.95, "scatter": {"kind": kind, **values}}
         return [_BEAM], [{**_MIRROR_45, "surface": surface}, _SCREEN], {}
+    if group == "coating":
+        glass = {**_GLASS, "coating": {"kind": kind, **values}}
+        parameters = parameters_of(cls).values()
+        lines = {"spectrum": {"wavelengths_nm": [450.0, 550.0, 650.0]}}
+        more = lines if any(p.needs_spectrum for p in parameters) else {}
+        return [_BEAM], [{**_MIRROR_45, "surface": glass}, _SCREEN], more
     if group == "element":
         surface = {"kind": "lambertian", "reflectance": 0.5}
         return [_LAMP], [{**values, "name": "thing", "kind": kind, "surface": surface}], {}

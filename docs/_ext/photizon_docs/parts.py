@@ -32,6 +32,7 @@ _INTRO = {
     "source": "Where rays start. Sources do not block light.",
     "detector": "What is counted of what arrives at an element.",
     "scatter": "What a surface sends aside of its specular rays: see [scatter](/scatter.md).",
+    "coating": "What a border of two media reflects and lets pass: see [coatings](/coatings.md).",
 }
 
 
@@ -62,8 +63,8 @@ def page(group: str, kind: str, cls: type[Described]) -> tuple[str, Scene]:
         lines += [_start(cls)]
     elif group == "surface":
         lines += [_taken_by(item)]
-    elif group == "scatter":
-        lines += [_on_surfaces(item)]
+    elif group in ("scatter", "coating"):
+        lines += [_on_surfaces(group, item)]
     else:
         lines += [_carried_by()]
     lines += [_example(kind, scene), _quantities(cls, item), _device(group, cls)]
@@ -72,7 +73,7 @@ def page(group: str, kind: str, cls: type[Described]) -> tuple[str, Scene]:
 
 def _shown(group: str, cls: type[Described], scene: Scene) -> Any:
     pool: list[Any] = [*scene.source, *scene.element]
-    pool += [e.surface.lobe for e in scene.element]
+    pool += [e.surface.lobe for e in scene.element] + [e.surface.coat for e in scene.element]
     pool += [e.surface for e in scene.element] + [e.detector for e in scene.element if e.detector]
     return next(item for item in pool if type(item) is cls)
 
@@ -209,11 +210,11 @@ def _taken_by(surface: Any) -> str:
     return f"## Where it goes\n\n{table(('element', 'taken?'), rows)}\n{detector}{splits}\n"
 
 
-def _on_surfaces(lobe: Any) -> str:
+def _on_surfaces(key: str, item: Any) -> str:
     rows = []
     for kind, cls in GROUPS["surface"].items():
-        takes = "scatter" in parameters_of(cls)
-        why = _refusal(cls(**guess(cls)), {"scatter": lobe}) if takes else "it has no `scatter`"
+        takes = key in parameters_of(cls)
+        why = _refusal(cls(**guess(cls)), {key: item}) if takes else f"it has no `{key}`"
         rows.append((link("surface", kind), f"no: {why}" if why else "yes"))
     return f"## Where it goes\n\n{table(('surface', 'taken?'), rows)}\n"
 
@@ -265,7 +266,7 @@ _INNER = frozenset(
     {
         "class_axis", "local_box", "ported", "half_sizes", "reach", "faces", "sole_face", "outline",
         "hole", "face", "draws_position", "self_view_factor", "diffuse_reflectance", "lobe",
-        "branches", "scattered", "width", "kinks", "sharpness", "falls", "nodes", "pieces",
+        "branches", "scattered", "width", "kinks", "sharpness", "falls", "nodes", "pieces", "coat",
     }
 )  # fmt: skip
 

@@ -22,7 +22,7 @@ from photizon_cl.scene.importance import Importance
 from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.model import Scene
 from photizon_cl.scene.presets import presets
-from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SCATTERS, SOURCES, SURFACES
+from photizon_cl.scene.registry import COATINGS, DETECTORS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import DirectedSource
 from photizon_cl.scene.spectrum import Spectrum
@@ -40,6 +40,7 @@ GROUPS: dict[str, Mapping[str, type[Described]]] = {
     "source": SOURCES,
     "detector": DETECTORS,
     "scatter": SCATTERS,
+    "coating": COATINGS,
 }
 """The registry: name of a group → its kinds."""
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from photizon_cl.compile.effects.acceleration import Acceleration
 from photizon_cl.compile.effects.choice import Choice
+from photizon_cl.compile.effects.coatings import Coatings
 from photizon_cl.compile.effects.coincidence import Coincidence
 from photizon_cl.compile.effects.contact import Contact
 from photizon_cl.compile.effects.detector import Detector
@@ -47,6 +48,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     PathTable(),
     Spectrum(),
     Media(),
+    Coatings(),
     Importance(),
     Scatter(),
     Detector(),

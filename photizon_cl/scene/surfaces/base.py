@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
+from photizon_cl.scene.coatings import Coating
 from photizon_cl.scene.curves import OverWavelength, at_wavelength
 from photizon_cl.scene.described import Described, Nested, parameters_of
 from photizon_cl.scene.parameters import declare
@@ -67,6 +68,11 @@ class Surface(Described):
         return getattr(self, "scatter", None)
 
     @property
+    def coat(self) -> Coating | None:
+        """What says how much it reflects and lets pass by angle; None where it says so itself."""
+        return getattr(self, "coating", None)
+
+    @property
     def scattered(self) -> dict[str, tuple[float, str]]:
         """Derived quantities of what it scatters."""
         return self.lobe.derived() if self.lobe is not None else {}
@@ -127,3 +133,8 @@ class Surface(Described):
 def scattering(meaning: str) -> dict[str, Parameter]:
     """Declare what a surface scatters about its specular rays."""
     return declare(Nested(Scatter, "the", meaning=meaning))
+
+
+def coated(meaning: str) -> dict[str, Parameter]:
+    """Declare what a border of two media reflects and lets pass instead of what it would bare."""
+    return declare(Nested(Coating, "the", meaning=meaning))

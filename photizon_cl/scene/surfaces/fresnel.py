@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
@@ -13,11 +13,12 @@ from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import refractive_index
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.scatters.base import scatter_problems
-from photizon_cl.scene.surfaces.base import Surface, scattering
+from photizon_cl.scene.surfaces.base import Surface, coated, scattering
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from photizon_cl.scene.coatings import Coating
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.scatters import Scatter
 
@@ -34,7 +35,8 @@ class Fresnel(Surface):
     the reflected child keeps everything. Nothing is absorbed and no draw is made. The side that a
     ray comes from says which index it is in. Instead of two indices it takes the names of two
     media: rays then carry the medium that they are in, and lose weight on their way through it.
-    With a `scatter` TIS(θ) of each child's weight is scattered about that child's direction.
+    With a `scatter` TIS(θ) of each child's weight is scattered about that child's direction. With a
+    `coating` that says what R and T are, and 1 − R − T is absorbed.
 
     Parameters
     ----------
@@ -48,6 +50,8 @@ class Fresnel(Surface):
         Name of the medium on the side that the normal points to, "vacuum" by default.
     scatter : Scatter, optional
         What of each child is scattered: dust, polishing marks.
+    coating : Coating, optional
+        What is reflected and passes instead.
 
     Notes
     -----
@@ -66,7 +70,6 @@ class Fresnel(Surface):
         ("ratio_minus", "", "m for a ray from the − side"),
         ("one_less_square_minus", "", "1 − m², without cancellation"),
     )
-    absorbs: ClassVar[bool] = False
     reflects: ClassVar[bool] = True
     transmits: ClassVar[bool] = True
     refracts: ClassVar[bool] = True
@@ -100,6 +103,9 @@ class Fresnel(Surface):
 
     scatter: Scatter | None = field(
         default=None, metadata=scattering("what of each child is scattered")
+    )
+    coating: Coating | None = field(
+        default=None, metadata=coated("what is reflected and passes instead")
     )
 
     def __post_init__(self) -> None:
@@ -151,7 +157,17 @@ class Fresnel(Surface):
         if self.media is None:
             return self
         inside, outside = (index_of[name] for name in self.media)
-        return Fresnel(inside, outside, scatter=self.scatter)
+        return Fresnel(inside, outside, scatter=self.scatter, coating=self.coating)
+
+    def at(self, nm: float | None) -> Fresnel:
+        """Return it with numbers in place of tables over wavelength, which a coating may have."""
+        coating = self.coating.at(nm) if self.coating is not None else None
+        return self if coating is self.coating else replace(self, coating=coating)
+
+    @property
+    def absorbs(self) -> bool:  # type: ignore[override]  # bare glass takes nothing
+        """Whether the element takes what does not go on: what a coating absorbs."""
+        return self.coating is not None
 
     def packed(self) -> dict[str, float]:
         """Return m = n₁/n₂ and 1 − m² from the + side, and from the − side.
@@ -182,7 +198,7 @@ class Fresnel(Surface):
 
     @property
     def normal_reflectance(self) -> float:
-        """Reflectance at normal incidence, ((n − n')/(n + n'))²."""
+        """Reflectance at normal incidence without a coating, ((n − n')/(n + n'))²."""
         inside, outside = self._pair
         ratio = (inside - outside) / (inside + outside)
         return ratio * ratio
@@ -198,7 +214,7 @@ class Fresnel(Surface):
     def advice(self) -> list[str]:
         """Say where it is no border."""
         inside, outside = self._pair
-        if inside != outside or self.scatter is not None:
+        if inside != outside or self.scatter is not None or self.coating is not None:
             return []
         return ["has the same index on both sides: it reflects nothing and bends nothing"]
 
@@ -206,7 +222,9 @@ class Fresnel(Surface):
         """Return reflectance at normal incidence, critical angle, given indices; what scatters."""
         if self.indices is None:
             return self.scattered
-        out = {"reflectance at normal incidence": (self.normal_reflectance, "")}
+        out: dict[str, tuple[float, str]] = {}
+        if self.coating is None:
+            out["reflectance at normal incidence"] = (self.normal_reflectance, "")
         if self.critical_angle_deg is not None:
             out["critical angle in the denser medium"] = (self.critical_angle_deg, "deg")
         return out | self.scattered
