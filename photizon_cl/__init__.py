@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.far_field import FarField as FarField
     from photizon_cl.scene.files import load as load
     from photizon_cl.scene.importance import Importance as Importance
+    from photizon_cl.scene.polarisation import Polarisation as Polarisation
     from photizon_cl.scene.media.medium import Medium as Medium
     from photizon_cl.scene.model import Scene as Scene
     from photizon_cl.scene.presets import presets as presets
@@ -87,6 +88,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "RunSettings": "photizon_cl.scene.settings",
     "FarField": "photizon_cl.scene.far_field",
     "Importance": "photizon_cl.scene.importance",
+    "Polarisation": "photizon_cl.scene.polarisation",
     "Medium": "photizon_cl.scene.media.medium",
     "Detector": "photizon_cl.scene.detectors.detector",
     # what can go wrong

@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 
 __all__ = ["HOOKS", "PLACES", "RECORDS", "hook_name", "program_source"]
 
-PLACES: Final = ("search", "survive", "tally")
-"""Where the templates of effects stand: behind the elements' functions, before what may end a ray
-between two interactions, among what counts endings, which is a program of its own."""
+PLACES: Final = ("search", "surfaces", "survive", "tally")
+"""Where the templates of effects stand: behind the elements' functions, before those of surfaces,
+before what may end a ray between two interactions, among what counts endings, which is a program of
+its own."""
 
 HOOKS: Final = ("travel", "surface", "survive", "arrival")
 """Where the statements of effects stand: in an interaction, see kernels/lib/interaction.mako, and
@@ -53,7 +54,8 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     parts += [(name, {}) for name in names]
     if spec.stages == PROBE_STAGES:
         return [*parts, ("lib/arguments", {}), ("stages/probe", {})]
-    parts += [(name, {}) for name in ("lib/ledger", "lib/event", "lib/directions")]
+    names = ["lib/ledger", "lib/event", "lib/directions", *at("surfaces")]
+    parts += [(name, {}) for name in names]
     parts += [(f"surfaces/{kind.kind}", {"surface": kind}) for kind in spec.surfaces]
     names = [*at("survive"), "lib/shade", "lib/survive"]
     parts += [(name, {}) for name in names]
@@ -154,6 +156,7 @@ def program_source(spec: ProgramSpec) -> str:
         "orders": spec.orders,
         "ends": spec.ends,
         "densities": spec.densities,
+        "amplitudes": spec.amplitudes,
         "hooks": _hooks(spec),
         "interleaved": spec.interleaved,
         "private_tallies": spec.private_tallies,

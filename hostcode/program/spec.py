@@ -233,6 +233,8 @@ class EffectParts:
         Whether its statements at ``travel`` may end a ray on its way.
     densities : bool
         Whether it asks surfaces for the density of what they scatter.
+    amplitudes : bool
+        Whether it asks surfaces by what amplitudes they send on light polarised along s and p.
     parameters : tuple of (str, int)
         Counts that the templates ask for.
     """
@@ -255,6 +257,7 @@ class EffectParts:
     orders: bool = False
     ends: bool = False
     densities: bool = False
+    amplitudes: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
 
     def for_tally(self) -> EffectParts:
@@ -434,6 +437,11 @@ class ProgramSpec:
     def densities(self) -> bool:
         """Whether surfaces are asked for the density of what they scatter."""
         return any(part.densities for part in self.parts)
+
+    @property
+    def amplitudes(self) -> bool:
+        """Whether surfaces are asked by what amplitudes they send on polarised light."""
+        return any(part.amplitudes for part in self.parts)
 
     @property
     def recorded(self) -> frozenset[str]:

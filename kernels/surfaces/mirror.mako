@@ -7,4 +7,9 @@ FN void meet_mirror(const encounter_t *event, const material_t *material, outcom
     reflect(p, c, &x, &y, &z);
     send_on(outcome, event->m, x, y, z, ${point("mirror.weight", "p->w * weight_number(material, MIRROR_REFLECTANCE)")},
             wsplat(REFLECTED));
+% if amplitudes:
+    const incident_t light = incident_light(event);
+    const amplitudes_t r = conductor();
+    polarise(outcome, event->m, &light, &r);
+% endif
 }

@@ -36,7 +36,7 @@ __all__ = ["RecipeText"]
 _PREFIX: Final = "pz1-"
 _BITS: Final = ("seed", "rays_per_batch", "generation_cap", "roulette_floor")
 """Settings that the bits of a batch depend on."""
-_ASKED: Final = (("effects", None), ("splitting", True))
+_ASKED: Final = (("effects", None), ("splitting", True), ("polarisation", False))
 """More of them and their defaults, which stand in a recipe only where they are something else."""
 
 

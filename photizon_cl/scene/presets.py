@@ -22,6 +22,7 @@ _NAMES: Final = (
     "absorbing-cuvette",
     "aspheric-condenser",
     "scattering-mirror",
+    "polariscope",
 )
 
 _ANCHOR: Final = "Anchor:"

@@ -12,12 +12,12 @@ pytestmark = pytest.mark.usefixtures("one_lane")
 NEW = (
     "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
     "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
-    "scattering-mirror",
+    "scattering-mirror", "polariscope",
 )  # fmt: skip
 
 
-def test_there_are_fourteen_each_with_an_anchor():
-    assert len(preset_names()) == len(presets()) == 14
+def test_there_are_fifteen_each_with_an_anchor():
+    assert len(preset_names()) == len(presets()) == 15
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from photizon_cl.scene.described import Described
+from photizon_cl.scene.described import Described, Nested
 from photizon_cl.scene.frames import Frame, frame
 from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import (
+    declare,
     point,
     positive_number,
     positive_power,
@@ -20,6 +21,7 @@ from photizon_cl.scene.parameters import (
     tilt,
     unique_name,
 )
+from photizon_cl.scene.polarisation import Polarisation
 from photizon_cl.scene.rows import NO_ROW, Row
 
 if TYPE_CHECKING:
@@ -47,6 +49,8 @@ class Source(Described):
         to their sum; None divides in proportion to flux. It moves effort, never the answer.
     medium : str, optional
         Name of the medium in which its rays start.
+    polarisation : Polarisation, optional
+        How its light is polarised; None: not at all. Refused where the run has no polarisation.
     """
 
     label: ClassVar[str] = "source"
@@ -72,6 +76,10 @@ class Source(Described):
     position: Sequence[float] = field(metadata=point("centre of the source"))
     share: float | None = field(default=None, metadata=positive_number("part of the rays"))
     medium: str = field(default=VACUUM, metadata=medium_name("in which its rays start"))
+    polarisation: Polarisation | None = field(
+        default=None,
+        metadata=declare(Nested(Polarisation, "the", meaning="how its light is polarised")),
+    )
 
     @property
     def frame(self) -> Frame:

@@ -71,6 +71,7 @@ class Fresnel(Surface):
     transmits: ClassVar[bool] = True
     refracts: ClassVar[bool] = True
     splits: ClassVar[bool] = True
+    polarises: ClassVar[bool] = True
     colour: ClassVar[str] = "#56b4e9"
     label_text: ClassVar[str] = "glass"
 
