@@ -55,12 +55,13 @@ def pile(
         lamp["polarisation"] = told
     size = {"kind": "rectangle", "half_width": 4.0, "half_height": 4.0}
     tilt = {"axis": "+z", "tilt_deg": [-angle, 0.0]}
-    faces = []
+    faces = []  # met from behind their normals
     for k in range(plates):
-        for depth, surface in ((0.0, glass(index)), (0.01, glass(1.0, index))):
+        for depth, surface in ((0.0, glass(1.0, index)), (0.01, glass(index))):
             at = (0.02 * k + depth) * n
             faces.append({**size, **tilt, "position": at.tolist(), "surface": surface})
-    end = {**size, "name": "end", "position": [0, 0, 5], "axis": "-z", **BLACK, "detector": {}}
+    end = {"kind": "rectangle", "name": "end", "position": [0, 0, 5], "axis": "-z", **BLACK}
+    end |= {"half_width": 1.0, "half_height": 1.0, "detector": {}}
     settings = {"rays_per_batch": 1, "generation_cap": 400, **run}
     return scene_of([lamp], [*faces, end], run=settings)
 
@@ -256,14 +257,14 @@ def chooses_one_child() -> None:
 # -- many reflections ------------------------------------------------------------------------------
 
 
-def a_long_way(length: float = 2.0) -> int:
+def a_long_way(length: float = 4.0) -> int:
     """A skew ray in a polished tube, and an analyser outside; returns how often it is reflected.
 
     Nothing is lost, and linear light stays linear: at some turn hardly anything would pass.
     """
     lean = turned(np.array([0.2, 0.9, 1e-3]) / math.hypot(0.2, 0.9, 1e-3))
     lamp = {
-        "kind": "collimated-disk", "flux": 1.0, "position": [0.3, 0, 0], "radius": 1e-12, **lean,
+        "kind": "collimated-disk", "flux": 1.0, "position": [0.3, 0, 0], "radius": 1e-30, **lean,
         "polarisation": {"angle_deg": 25.0},
     }  # fmt: skip
     tube = {
