@@ -136,21 +136,23 @@ def _physics(result: Estimates) -> Iterator[Markup]:
     )
     surfaces = [s for element in result.scene.element for s in element.surfaces]
     refracts = any(surface.refracts for surface in surfaces)
-    glass = " Glass reflects and refracts as for unpolarised light" if refracts else ""
+    polarised = result.scene.run.polarisation
+    light = "by the polarisation of what comes" if polarised else "as for unpolarised light"
+    glass = f" Glass reflects and refracts {light}" if refracts else ""
+    without = "No spectrum" if polarised else "No spectrum, no polarisation"
     absorbing = [medium.name for medium in result.scene.medium if medium.absorption_per_m]
     if absorbing:
         glass += "." if glass else ""
-        what = "no polarisation.</strong> One set of optical constants holds for the whole run.{}"
         yield Markup(
-            f"<strong>No spectrum, {what} What lies in {{}} absorbs by Beer and Lambert's law and "
-            "scatters nothing."
-        ).format(glass, ", ".join(absorbing))
+            "<strong>{}.</strong> One set of optical constants holds for the whole run.{} What "
+            "lies in {} absorbs by Beer and Lambert's law and scatters nothing."
+        ).format(without, glass, ", ".join(absorbing))
     else:
         glass += " and absorbs nothing." if glass else ""
         yield Markup(
-            "<strong>No spectrum, no polarisation, no bulk absorption.</strong> One set of optical "
-            "constants holds for the whole run.{}"
-        ).format(glass)
+            "<strong>{}, no bulk absorption.</strong> One set of optical constants holds for the "
+            "whole run.{}"
+        ).format(without, glass)
     yield Markup(
         "<strong>Ideal surfaces and exact shapes.</strong> {}, without measured scatter, roughness "
         "or dust; shapes without tolerances or mounts."
