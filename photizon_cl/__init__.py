@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from photizon_cl.scene.far_field import FarField as FarField
     from photizon_cl.scene.files import load as load
     from photizon_cl.scene.importance import Importance as Importance
-    from photizon_cl.scene.polarisation import Polarisation as Polarisation
     from photizon_cl.scene.media.medium import Medium as Medium
     from photizon_cl.scene.model import Scene as Scene
+    from photizon_cl.scene.polarisation import Polarisation as Polarisation
     from photizon_cl.scene.presets import presets as presets
     from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
     from photizon_cl.scene.settings import RunSettings as RunSettings

@@ -48,7 +48,8 @@ def pile(
     """Return a beam through parallel plates; the plane of incidence has the source's u as its s."""
     n = np.array([0.0, math.sin(math.radians(angle)), math.cos(math.radians(angle))])
     lamp: dict[str, Any] = {
-        "kind": "collimated-disk", "flux": 1.0, "position": [0, 0, -5], "axis": "+z", "radius": 1e-9,
+        "kind": "collimated-disk", "flux": 1.0, "position": [0, 0, -5], "axis": "+z",
+        "radius": 1e-9,
     }  # fmt: skip
     if told is not None:
         lamp["polarisation"] = told

@@ -187,7 +187,9 @@ def _behind(light: Light, element: Any, along: NDArray[Any], weight: float) -> t
             assert passed is not None
             return _weighed(passed, surface, weight), "t"
         if _same(back, along):
-            return _weighed(reflected(light, n, m), surface, weight), "r" if through is not None else "i"
+            return _weighed(
+                reflected(light, n, m), surface, weight
+            ), "r" if through is not None else "i"
     elif surface.reflects and _same(back, along):
         part = getattr(surface, "reflectance", None)
         part = surface.specular if part is None else part
@@ -317,13 +319,17 @@ def room(**run: Any) -> pz.Scene:
         {"kind": "mixed", "specular": 0.2, "diffuse": 0.6},
         {"kind": "mirror", "reflectance": 0.8},
     ]
-    walls = [
-        {**face, "surface": s} for face, s in zip(cube({}), surfaces, strict=True)
-    ]
+    walls = [{**face, "surface": s} for face, s in zip(cube({}), surfaces, strict=True)]
     g = np.random.default_rng(5)
     panes = []
     for n, surface in enumerate(
-        (glass(1.5), glass(1.0, 1.7), glass(1.6), {**glass(1.4), "scatter": lobe}, {"kind": "clear"})
+        (
+            glass(1.5),
+            glass(1.0, 1.7),
+            glass(1.6),
+            {**glass(1.4), "scatter": lobe},
+            {"kind": "clear"},
+        )
     ):
         at = np.array([0.45 * math.cos(n), 0.45 * math.sin(n), 0.3 * math.sin(2.0 * n)])
         side = g.normal(size=3)

@@ -88,8 +88,12 @@ def every_kind() -> dict[str, Any]:
     sources: list[dict[str, Any]] = [
         {"kind": "isotropic-point"},
         {"kind": "lambertian-sphere", "radius": 0.02},
-        {"kind": "cosine-point", "axis": "+x", "medium": "dyed",
-         "polarisation": {"degree": 0.5, "angle_deg": 30.0}},
+        {
+            "kind": "cosine-point",
+            "axis": "+x",
+            "medium": "dyed",
+            "polarisation": {"degree": 0.5, "angle_deg": 30.0},
+        },
         {"kind": "cone-point", "axis": "-z", "half_angle_deg": 20.0},
         {"kind": "lambertian-disk", "axis": "+y", "radius": 0.05},
         {"kind": "lambertian-rectangle", "axis": "-y", "half_width": 0.05, "half_height": 0.02},

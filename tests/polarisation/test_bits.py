@@ -20,7 +20,7 @@ TOLD = {"degree": 0.8, "angle_deg": 20.0}
 
 
 def busy(force=frozenset(), without=frozenset(), **run):
-    """Glass in a medium, mirrors, matt walls, scatter, a target, roulette, a path table, a plane."""
+    """Dyed glass, mirrors, matt walls, scatter, a target, roulette, a path table, a plane."""
     lobe = {"kind": "gaussian", "sigma": 0.2, "tis": 0.3}
     pane = {"kind": "fresnel", "medium": "dyed", "scatter": lobe}
     elements = [
@@ -104,9 +104,9 @@ def test_where_nothing_acts_by_it_no_bit_changes():
     assert "polarisation" in forced.effects
     assert trace_compiled(plain).digest == trace_compiled(forced).digest
     ladder = pz.load("ghost-ladder")
-    assert "polarisation" not in compile_scene(
-        ladder, ladder.run, frozenset({"polarisation"})
-    ).effects
+    assert (
+        "polarisation" not in compile_scene(ladder, ladder.run, frozenset({"polarisation"})).effects
+    )
 
 
 def test_a_scene_without_has_nothing_of_it():

@@ -10,9 +10,11 @@ from oracles.polarised import CLOSE, ON, arriving
 from oracles.statistics import batch_z, z_limit
 
 
-@pytest.mark.parametrize(("angle", "told", "mean"), [(60, 0.84347, 0.83069), (75, 0.61481, 0.59145)])
+@pytest.mark.parametrize(
+    ("angle", "told", "mean"), [(60, 0.84347, 0.83069), (75, 0.61481, 0.59145)]
+)
 def test_a_plate_at_an_angle(angle, told, mean):
-    """What textbooks give of n = 1.52, and what a tracer gives that takes the mean at every face."""
+    """What textbooks give of n = 1.52, and what the mean at every face gives."""
     seen, without = arriving(pile(1, 1.52, angle, **ON)), arriving(pile(1, 1.52, angle))
     assert round(seen, 5) == told
     assert round(without, 5) == mean

@@ -33,7 +33,11 @@ BAD = [
     (ON, {"angle_deg": float("nan")}, f"{PATH}.angle_deg: found nan, expected an angle from"),
     (ON, {"angle_deg": float("inf")}, f"{PATH}.angle_deg: found inf, expected an angle from"),
     (ON, {"angle_deg": 1e9}, f"{PATH}.angle_deg: found 1000000000.0, expected an angle from"),
-    (ON, {"angle": 3}, f"{PATH}.angle: found 3, expected no such key; the polarisation table takes"),
+    (
+        ON,
+        {"angle": 3},
+        f"{PATH}.angle: found 3, expected no such key; the polarisation table takes",
+    ),
     (ON, 1.0, f"{PATH}: found 1.0, expected a table for the polarisation"),
     ({}, {"degree": 1.0}, f"{PATH}: found a table, expected none while run.polarisation is false"),
     (None, {}, f"{PATH}: found a table, expected none while run.polarisation is false"),
@@ -67,7 +71,7 @@ def test_classes_refuse_what_files_may_not_say():
     with pytest.raises(pz.SceneError, match=r"polarisation\.degree: found 2\.0, expected"):
         pz.Polarisation(degree=2.0)
     lamp = pz.IsotropicPoint(name="a", flux=1.0, position=(0, 0, 0), polarisation=Polarisation())
-    with pytest.raises(pz.SceneError, match="none while run.polarisation is false"):
+    with pytest.raises(pz.SceneError, match=r"none while run\.polarisation is false"):
         pz.Scene(name="t", source=(lamp,))
     scene = pz.Scene(name="t", source=(lamp,), run=pz.RunSettings(polarisation=True))
     assert scene.source["a"].polarisation.stokes == (1.0, 0.0)

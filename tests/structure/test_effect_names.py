@@ -46,6 +46,7 @@ LEFT = {
         "photizon_cl/studies/knobs.py",
     },
     "importance": {"photizon_cl/scene/importance.py"},
+    "polarisation": {"photizon_cl/result/recipe.py", "photizon_cl/scene/polarisation.py"},
     "roulette": {
         "photizon_cl/result/ledger.py", "photizon_cl/result/paths.py",
         "photizon_cl/views/report/claims.py", "photizon_cl/views/report/tables.py",

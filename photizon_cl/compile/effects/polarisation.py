@@ -34,7 +34,8 @@ class Polarisation(Effect):
     name: ClassVar[str] = "polarisation"
     what: ClassVar[str] = "rays carry the polarisation of their light, and borders act by it"
     costs: ClassVar[str] = (
-        "three numbers more a ray, three turns of a frame and some ten divisions and roots an interaction"
+        "three numbers more a ray; at mirrors and glass frames that are turned, some ten divisions "
+        "and roots"
     )
 
     def needed(self, scene: Scene, settings: RunSettings) -> str | None:

@@ -52,8 +52,8 @@ class Fresnel(Surface):
 
     Notes
     -----
-    Formulas: M. Born and E. Wolf, Principles of Optics, 7th edition, § 1.5.2 and 1.5.4. Both indices are
-    real and from 0.001 to 1000.
+    Formulas: M. Born and E. Wolf, Principles of Optics, 7th edition, § 1.5.2 and 1.5.4. Both
+    indices are real and from 0.001 to 1000.
     """
 
     kind: ClassVar[str] = "fresnel"
