@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.media.dispersion import Sellmeier as Sellmeier
     from photizon_cl.scene.media.medium import Medium as Medium
     from photizon_cl.scene.model import Scene as Scene
+    from photizon_cl.scene.polarisation import Polarisation as Polarisation
     from photizon_cl.scene.presets import presets as presets
     from photizon_cl.scene.registry import *  # noqa: F403  (the kinds)
     from photizon_cl.scene.settings import RunSettings as RunSettings
@@ -96,6 +97,7 @@ _MODULE_OF: Final[dict[str, str]] = {
     "RunSettings": "photizon_cl.scene.settings",
     "FarField": "photizon_cl.scene.far_field",
     "Importance": "photizon_cl.scene.importance",
+    "Polarisation": "photizon_cl.scene.polarisation",
     "Medium": "photizon_cl.scene.media.medium",
     "Spectrum": "photizon_cl.scene.spectrum",
     "Curve": "photizon_cl.scene.curves",

@@ -63,6 +63,8 @@ class RayField:
         Its value behind an interaction, in the ray that goes on in its lane and in the second one:
         C, in the scope of ``shade`` (kernels/lib/shade.mako), where ``p`` still is the ray before.
         Without them it stays what it was.
+    beside : str
+        The same for a scattered ray that goes on beside those; default `onward`.
     """
 
     name: str
@@ -72,6 +74,7 @@ class RayField:
     empty: str = ""
     onward: str = ""
     second: str = ""
+    beside: str = ""
 
     @property
     def cleared(self) -> str:

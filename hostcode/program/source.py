@@ -54,8 +54,8 @@ def _parts(spec: ProgramSpec) -> list[tuple[str, dict[str, Any]]]:
     parts += [(name, {}) for name in names]
     if spec.stages == PROBE_STAGES:
         return [*parts, ("lib/arguments", {}), ("stages/probe", {})]
-    parts += [(name, {}) for name in ("lib/ledger", "lib/event", "lib/directions")]
-    parts += [(name, {}) for name in at("surfaces")]
+    names = ["lib/ledger", "lib/event", "lib/directions", *at("surfaces")]
+    parts += [(name, {}) for name in names]
     parts += [(f"surfaces/{kind.kind}", {"surface": kind}) for kind in spec.surfaces]
     names = [*at("survive"), "lib/shade", "lib/survive"]
     parts += [(name, {}) for name in names]
@@ -157,6 +157,7 @@ def program_source(spec: ProgramSpec) -> str:
         "ends": spec.ends,
         "densities": spec.densities,
         "coats": spec.coats,
+        "amplitudes": spec.amplitudes,
         "hooks": _hooks(spec),
         "interleaved": spec.interleaved,
         "private_tallies": spec.private_tallies,

@@ -236,6 +236,8 @@ class EffectParts:
     coats : bool
         Whether surfaces ask it what they reflect and let pass (``coat`` in
         kernels/effects/coatings.mako).
+    amplitudes : bool
+        Whether it asks surfaces by what amplitudes they send on light polarised along s and p.
     parameters : tuple of (str, int)
         Counts that the templates ask for.
     """
@@ -259,6 +261,7 @@ class EffectParts:
     ends: bool = False
     densities: bool = False
     coats: bool = False
+    amplitudes: bool = False
     parameters: tuple[tuple[str, int], ...] = ()
 
     def for_tally(self) -> EffectParts:
@@ -443,6 +446,10 @@ class ProgramSpec:
     def coats(self) -> bool:
         """Whether what surfaces reflect and let pass may be a coating's."""
         return any(part.coats for part in self.parts)
+
+    def amplitudes(self) -> bool:
+        """Whether surfaces are asked by what amplitudes they send on polarised light."""
+        return any(part.amplitudes for part in self.parts)
 
     @property
     def recorded(self) -> frozenset[str]:

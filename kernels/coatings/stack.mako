@@ -7,7 +7,8 @@
 // eta = q for s and q/N^2 for p.  Both are multiplied by e^(-Im beta), so that nothing grows, however thick
 // and absorbing a layer is; they follow the wave that grows towards the light, which keeps its errors small.
 // sin(beta)/q is 2 pi d / lambda where q is 0: at a layer's own critical angle nothing is divided by it.
-// reads: wavelength, indices on both sides; layers.  gives: the parts, for unpolarised light.
+// reads: wavelength, indices on both sides; layers.  gives: the parts, of unpolarised light half of what is polarised along s and along p;
+// of polarised light the amplitudes as well.
 typedef struct { real x, y; } complex_t;
 
 FN complex_t times(complex_t a, complex_t b) {
@@ -20,6 +21,12 @@ FN complex_t less_i_times(complex_t c, complex_t a, complex_t b) {
     complex_t e = {c.x + d.y, c.y - d.x};
     return e;
 }
+% if amplitudes:
+FN complex_t reversed(complex_t a) {
+    const complex_t b = {a.x, -a.y};
+    return b;
+}
+% endif
 FN real squared(complex_t a) { return fma(a.x, a.x, a.y * a.y); }
 FN complex_t chosen(mask m, complex_t a, complex_t b) {
     complex_t c = {SEL(m, a.x, b.x), SEL(m, a.y, b.y)};
@@ -125,6 +132,20 @@ FN void stack_waves(const film_t *film, mask m, wave_t *s, wave_t *p) {
 FN void coat_stack(const film_t *film, mask m, weight *r, weight *t) {
     wave_t s, p;
     stack_waves(film, m, &s, &p);
+% if amplitudes:
+    // a_s and a_p of what is reflected are back/on, and of what passes sqrt(share) passed/on
+    const real on_s = squared(s.on), on_p = squared(p.on), both = R(1.0) / (on_s * on_p);
+    const complex_t turned = times(reversed(s.on), p.on);
+    const complex_t reflected = times(times(s.back, reversed(p.back)), turned);
+    const real passed = sqrt(s.share * p.share) * (s.passed * p.passed) * both;
+    const amplitudes_t back = {reflected_part(&s), reflected_part(&p), reflected.x * both, reflected.y * both};
+    const amplitudes_t on = {passed_part(&s), passed_part(&p), turned.x * passed, turned.y * passed};
+    *film->back = chosen_amplitudes(m, back, *film->back);
+    *film->on = chosen_amplitudes(m, on, *film->on);
+    *r = TO_WEIGHT(${point("stack.polarised", "part_of(film->light, &back)")});
+    *t = TO_WEIGHT(part_of(film->light, &on));
+% else:
     *r = TO_WEIGHT(${point("stack.reflected", "R(0.5) * (reflected_part(&s) + reflected_part(&p))")});
     *t = TO_WEIGHT(${point("stack.passed", "R(0.5) * (passed_part(&s) + passed_part(&p))")});
+% endif
 }

@@ -25,6 +25,11 @@ FN void choose(const launch_t *launch, const packet_t *p, const contact_t *c, le
 % if events:
         outcome->event = SELW(second, outcome->second_event, outcome->event);
 % endif
+% if amplitudes:
+        outcome->stokes_q = SEL(second, ${point("choice.light", "outcome->second_stokes_q")}, outcome->stokes_q);
+        outcome->stokes_u = SEL(second, outcome->second_stokes_u, outcome->stokes_u);
+        outcome->stokes_v = SEL(second, outcome->second_stokes_v, outcome->stokes_v);
+% endif
         outcome->went_plus = SELM(second, c->came_plus, outcome->went_plus);
         outcome->splits = NO_LANES;
         outcome->w = SEL_WEIGHT(both, ${point("choice.weight", "w")}, outcome->w);

@@ -19,6 +19,10 @@ typedef struct {
     mask plus;
     real ci, sin2, ct, ct2, m;
     lint head;
+% if amplitudes:
+    const incident_t *light;
+    amplitudes_t *back, *on;   // of what is reflected and what passes; alike for s and p unless a kind says more
+% endif
 } film_t;
 
 FN lint film_place(const film_t *film, int column) { return gather_long(film->material->scene->codes + column, film->head); }

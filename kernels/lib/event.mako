@@ -1,6 +1,7 @@
 ## surfaces (kinds in use: .splits), pairs (whether a surface may give two rays), passes, events (whether
-## what happened is asked for), extras (rays that may go on beside two), densities (whether that of what scatters is);
-## strides; counts (band_degree); coats (whether there are coatings)
+## what happened is asked for), extras (rays that may go on beside two), densities (whether that of what scatters is),
+## amplitudes (whether it is asked how light goes on that is polarised); strides; counts (band_degree); coats (whether
+## there are coatings)
 // What a surface is told of a ray that meets it, and what it answers.
 //
 // Every surface has one function, meet_<kind>(event, material, outcome).  It writes the outcome of the
@@ -104,6 +105,12 @@ typedef struct {
     word second_event;
 % endif
 % endif
+% if amplitudes:
+    real stokes_q, stokes_u, stokes_v;   // of the ray's light, over its power: 0 where it is unpolarised
+% if pairs:
+    real second_stokes_q, second_stokes_u, second_stokes_v;
+% endif
+% endif
 % if densities:
     mask drawn, drawn_second;   // lanes in which a ray has a direction that was drawn, and the second one has
     weight drawn_w;             // its weight, whichever direction it takes
@@ -141,6 +148,12 @@ FN outcome_t no_outcome(const packet_t *p, const contact_t *c) {
     o.second_event = wsplat(PASSED);
 % endif
 % endif
+% if amplitudes:
+    o.stokes_q = splat(0.0); o.stokes_u = splat(0.0); o.stokes_v = splat(0.0);
+% if pairs:
+    o.second_stokes_q = splat(0.0); o.second_stokes_u = splat(0.0); o.second_stokes_v = splat(0.0);
+% endif
+% endif
 % if densities:
     o.drawn = NO_LANES;
     o.drawn_second = NO_LANES;
@@ -158,6 +171,11 @@ FN void send_on(outcome_t *o, mask m, real dx, real dy, real dz, weight w, word 
     o->w = SEL_WEIGHT(m, w, o->w);
 % if events:
     o->event = SELW(m, event, o->event);
+% endif
+% if amplitudes:
+    // unpolarised, unless the surface goes on to say how it is
+    o->stokes_q = SEL(${point("event.unpolarised", "m")}, splat(0.0), o->stokes_q);
+    o->stokes_u = SEL(m, splat(0.0), o->stokes_u); o->stokes_v = SEL(m, splat(0.0), o->stokes_v);
 % endif
 }
 % if pairs:

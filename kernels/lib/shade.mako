@@ -147,7 +147,7 @@ ${statement}
             const outcome_t outcome = own;
 % for field in ray_fields:
 % if field.onward:
-            beside->${field.name} = ${field.onward};
+            beside->${field.name} = ${field.beside or field.onward};
 % endif
 % endfor
         }

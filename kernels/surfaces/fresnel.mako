@@ -12,6 +12,11 @@
 // reads: direction, normal, side, m and k from either side.
 // gives: the transmitted ray, or the reflected one where nothing is transmitted; and the reflected one
 // beside it where both exist.
+% if amplitudes:
+// Polarised light (effects/polarisation.mako) that meets no coating is reflected by r_s and r_p, S r_s^2 + P r_p^2 of its power, and
+// transmitted by t_s and t_p, which are as ci + m ct to m ci + ct.  Totally reflected it has
+// r_s r_p* = (x + iy)^2 / (x^2 + y^2) with x = m (1 - ci^2), y = ci sqrt(-ct^2)  (Born & Wolf 1.5.4).
+% endif
 FN void meet_fresnel(const encounter_t *event, const material_t *material, outcome_t *outcome) {
     const packet_t *p = event->p;
     const contact_t *c = event->c;
@@ -34,13 +39,21 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     const real a = mci + ct, b = fma(m, ct, ci);
     const real rs = ${careful("geometry", "k / (a * a)", "(mci - ct) / a")};
     const real rp = ${careful("geometry", "k * fma(-fma(m, m, splat(1.0)), sin2, splat(1.0)) / (b * b)", "(ci - m * ct) / b")};
+% if amplitudes:
+    const incident_t light = incident_light(event);
+    const real whole = fmin(${point("fresnel.polarised", "part_sent(&light, rs, rp)")}, splat(1.0));
+% else:
     const real whole = fmin(${point("fresnel.reflectance", "R(0.5) * fma(rs, rs, rp * rp)")}, splat(1.0));
+% endif
     const mask total = LE(ct2, splat(0.0));
 <% const = "" if coats else "const " %>\
     ${const}weight wr = SEL_WEIGHT(total, p->w, p->w * TO_WEIGHT(whole));
     ${const}weight wt = ${point("fresnel.transmitted", "p->w - wr")};
 % if coats:
-    coat(event, material, total, ci, dot3(sx, sy, sz, sx, sy, sz), ct, ct2, m, &wr, &wt);
+% if amplitudes:
+    amplitudes_t film_r, film_t;
+% endif
+    coat(event, material, total, ci, dot3(sx, sy, sz, sx, sy, sz), ct, ct2, m, &wr, &wt${", &light, &film_r, &film_t" if amplitudes else ""});
 % endif
     real x, y, z;
     reflect(p, c, &x, &y, &z);
@@ -55,4 +68,24 @@ FN void meet_fresnel(const encounter_t *event, const material_t *material, outco
     outcome->went_plus = SELM(event->m & ~reflects, ~c->came_plus, outcome->went_plus);
     send_second(outcome, ${point("fresnel.splits", "event->m & ~reflects & WEIGHT_GT(wr, weight_splat(0.0))")}, x, y, z, wr,
                 wsplat(REFLECTED));
+% if amplitudes:
+    {
+        const real lx = m * sin2, ly = ci * sqrt(fmax(-ct2, splat(0.0)));
+        const real inverse = R(1.0) / SEL(total, fma(lx, lx, ly * ly), splat(1.0));
+        amplitudes_t r = real_amplitudes(${careful("geometry", "-rs", "rs")}, rp);
+        r.ss = SEL(total, splat(1.0), r.ss);
+        r.pp = SEL(total, splat(1.0), r.pp);
+        r.re = SEL(total, ${point("fresnel.in_phase", "(lx - ly) * (lx + ly) * inverse")}, r.re);
+        r.im = SEL(total, R(2.0) * lx * ly * inverse, r.im);
+        amplitudes_t t = real_amplitudes(${point("fresnel.transmits", "b, a")});
+% if coats:
+        const mask coated = IGE(material->coating, lsplat(0L));
+        r = chosen_amplitudes(coated, film_r, r);
+        t = chosen_amplitudes(coated, film_t, t);
+% endif
+        const amplitudes_t first = chosen_amplitudes(reflects, r, t);
+        polarise(outcome, event->m, &light, &first);
+        polarise_second(outcome, event->m, &light, &r);
+    }
+% endif
 }

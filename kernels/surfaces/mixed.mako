@@ -16,6 +16,12 @@ FN void meet_mixed(const encounter_t *event, const material_t *material, outcome
     const mask specular = WEIGHT_GT(w_specular, weight_splat(0.0));
     send_on(outcome, event->m, ${point("mixed.first", "SEL(specular, sx, x)")}, SEL(specular, sy, y), SEL(specular, sz, z),
             SEL_WEIGHT(specular, w_specular, w_diffuse), SELW(specular, wsplat(REFLECTED), wsplat(SCATTERED)));
+% if amplitudes:
+    // a matt child is unpolarised
+    const incident_t light = incident_light(event);
+    const amplitudes_t r = conductor();
+    polarise(outcome, ${point("mixed.polarised", "event->m & specular")}, &light, &r);
+% endif
 % if surface.splits:
     send_second(outcome, event->m & specular & WEIGHT_GT(w_diffuse, weight_splat(0.0)), x, y, z, w_diffuse,
                 wsplat(SCATTERED));

@@ -10,6 +10,7 @@ from photizon_cl.checks.coincident import coincident_faces
 from photizon_cl.checks.directions import coarse_directions
 from photizon_cl.checks.gaps import lost_gaps
 from photizon_cl.checks.importance import idle_importance
+from photizon_cl.checks.polarisation import idle_polarisation
 from photizon_cl.checks.precision import DEFAULT, mode_of
 from photizon_cl.checks.spectrum import other_glasses, paths_of_all, tables_that_end
 from photizon_cl.scene.elements.base import OTHER_SIDE
@@ -54,6 +55,7 @@ def advisories(scene: Scene, precision: str = DEFAULT) -> list[str]:
     found += lost_gaps(scene, roundoff)
     found += coarse_directions(scene, roundoff)
     found += idle_importance(scene)
+    found += idle_polarisation(scene)
     found += _idle_media(scene)
     found += _nameless_media(scene)
     found += tables_that_end(scene)

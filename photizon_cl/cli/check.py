@@ -99,6 +99,8 @@ def _print(scene: Scene, mode: Precision, tracing: bool) -> None:
     out.print(Text("sources", "bold"))
     for source, rays in zip(scene.source, compiled.rays_of_source, strict=True):
         line(f"{source.name}: {source.kind}, {_describe(source)}; {rays} rays a batch")
+        for name, inner in _tables_in(source):
+            line(f"{name}: {_describe(inner)}", "    ")
         if hasattr(source, "derived") and source.derived():
             line(_derived(source), "    ")
     if scene.element:
@@ -245,6 +247,16 @@ def _describe(item: Described) -> str:
         value = str(value).lower() if isinstance(value, bool) else value
         parts.append(f"{name} {_number(value)}" + (f" {unit}" if unit else ""))
     return ", ".join(parts)
+
+
+def _tables_in(item: Described) -> Iterator[tuple[str, Described]]:
+    """Give the objects within an object, by their keys."""
+    from photizon_cl.scene.described import Described, parameters_of
+
+    for name in parameters_of(type(item)):
+        value = getattr(item, name)
+        if isinstance(value, Described):
+            yield name, value
 
 
 def _derived(item: Any) -> str:

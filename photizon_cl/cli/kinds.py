@@ -73,13 +73,15 @@ def _groups() -> dict[str, Group]:
 
 
 def _tables() -> Group:
-    """Return the tables of a scene file that have no kinds, by name."""
+    """Return the tables of a scene file, and of a source, that have no kinds, by name."""
     from photizon_cl.scene.described import Nested, NestedList, parameters_of
     from photizon_cl.scene.model import Scene
+    from photizon_cl.scene.sources import Source
 
     inner = {
         name: parameter.base
-        for name, parameter in parameters_of(Scene).items()
+        for holder in (Scene, Source)
+        for name, parameter in parameters_of(holder).items()
         if isinstance(parameter, Nested) and not isinstance(parameter, NestedList)
     }
     return {"scene": Scene, **inner}

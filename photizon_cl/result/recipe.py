@@ -36,7 +36,7 @@ __all__ = ["RecipeText"]
 _PREFIX: Final = "pz1-"
 _BITS: Final = ("seed", "rays_per_batch", "generation_cap", "roulette_floor")
 """Settings that the bits of a batch depend on."""
-_ASKED: Final = (("effects", None), ("splitting", True))
+_ASKED: Final = (("effects", None), ("splitting", True), ("polarisation", False))
 """More of them and their defaults, which stand in a recipe only where they are something else."""
 
 
@@ -188,7 +188,8 @@ def _made(version: str, engine: str) -> str:
 
 def _alike(preset: Scene, scene: Scene) -> bool:
     """Say whether two scenes differ in nothing but how they are run."""
-    return dataclasses.replace(scene, run=preset.run) == preset
+    one, other = preset.to_dict(), scene.to_dict()
+    return {**one, "run": None} == {**other, "run": None}
 
 
 def _unpack(token: str) -> dict[str, Any]:
@@ -229,6 +230,8 @@ def _unpack(token: str) -> dict[str, Any]:
 
 def _scene(content: dict[str, Any]) -> Scene:
     tables = content["scene"]
+    given = {name: content["run"][name] for name in _BITS}
+    given |= {name: content["run"].get(name, usual) for name, usual in _ASKED}
     if isinstance(tables, str):
         if tables not in preset_names():
             raise RecipeError(
@@ -237,9 +240,9 @@ def _scene(content: dict[str, Any]) -> Scene:
             )
         scene = load(tables)
     else:
-        scene = read_scene(Scene, tables)
-    given = {name: content["run"][name] for name in _BITS}
-    given |= {name: content["run"].get(name, usual) for name, usual in _ASKED}
+        # what it may hold depends on how it is run
+        run = {name: value for name, value in given.items() if value is not None}
+        scene = read_scene(Scene, {**tables, "run": run})
     scene = dataclasses.replace(scene, run=dataclasses.replace(scene.run, **given))
     if scene.digest() != content["scene_digest"]:
         raise RecipeError(

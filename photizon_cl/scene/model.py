@@ -25,6 +25,7 @@ from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.media.names import VACUUM, media_of
 from photizon_cl.scene.parameter_paths import put_values
 from photizon_cl.scene.parameters import declare, free_text, unique_name
+from photizon_cl.scene.polarisation import unasked
 from photizon_cl.scene.reader import SCHEMA, read_scene
 from photizon_cl.scene.settings import RunSettings
 from photizon_cl.scene.sources import Source
@@ -128,6 +129,7 @@ class Scene(Described):
         problems += _duplicates(Medium.label, media)
         problems += media_of(media, source=sources, element=elements)
         problems += spectral_problems(known, ("source", "element", Medium.label))
+        problems += unasked(known.get(RunSettings.label), sources)
         return problems + targets_of(known.get(Importance.label), elements)
 
     @property
@@ -275,6 +277,11 @@ class Scene(Described):
     def scatters(self) -> bool:
         """Whether any surface sends a ray on in a direction drawn from a density."""
         return any(s.scatters or s.lobe is not None for e in self.element for s in e.surfaces)
+
+    @property
+    def polarises(self) -> bool:
+        """Whether any surface sends on more or less of light for how that is polarised."""
+        return any(s.polarises for e in self.element for s in e.surfaces)
 
     def splits(self, run: RunSettings | None = None) -> bool:
         """Say whether rays go on as two in this scene, run so; default `self.run`."""

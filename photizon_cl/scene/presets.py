@@ -24,6 +24,7 @@ _NAMES: Final = (
     "scattering-mirror",
     "dispersing-prism",
     "coated-window",
+    "polariscope",
 )
 
 _ANCHOR: Final = "Anchor:"

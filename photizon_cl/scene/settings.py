@@ -42,6 +42,8 @@ class RunSettings(Described):
     splitting : bool
         Whether a ray that meets a surface which splits goes on as both children; else as one of
         them with the weight of both, chosen by chance in proportion to their weights.
+    polarisation : bool
+        Whether rays carry the polarisation of their light, which decides how much glass reflects.
     effects : tuple of str, optional
         Effects that are compiled in although nothing else in the scene calls for them, by the names
         that ``photizon kinds`` lists.
@@ -77,6 +79,9 @@ class RunSettings(Described):
     splitting: bool = field(
         default=True,
         metadata=flag("whether both children of a ray go on, or one that is chosen by chance"),
+    )
+    polarisation: bool = field(
+        default=False, metadata=flag("whether rays carry the polarisation of their light")
     )
     target_on: Accepts[Sequence[str] | None, tuple[str, ...] | None] = field(
         default=ABSENT, metadata=words("quantities that must each meet the target")

@@ -17,6 +17,7 @@ import pytest
 from oracles import (
     aiming,
     branching,
+    brewster,
     chance,
     coatings,
     contacts,
@@ -24,6 +25,7 @@ from oracles import (
     kernels,
     media,
     packets,
+    polarised,
     scattering,
     spectra,
     spectra_scatter,
@@ -572,6 +574,49 @@ MUTANTS = (
         "one of two by even chances",
         {"scatter.chance": "LT(u, splat(0.5))"},
         scattering.one_of_two_goes_on,
+    ),
+    Mutant(
+        "the plane of incidence is not turned into",
+        {"polarisation.turned": "p->stokes_q"},
+        brewster.malus,
+    ),
+    Mutant(
+        "the mean reflectance, however light is polarised",
+        {"fresnel.polarised": "R(0.5) * fma(rs, rs, rp * rp)"},
+        brewster.plate_by_its_parts,
+    ),
+    Mutant(
+        "what s and p transmit is swapped",
+        {"fresnel.transmits": "a, b"},
+        brewster.plate_by_its_parts,
+    ),
+    Mutant(
+        "total reflection without a phase", {"fresnel.in_phase": "splat(1.0)"}, brewster.rhomb
+    ),
+    Mutant(
+        "a metal that leaves the field as it is",
+        {"polarisation.conductor": "splat(1.0)"},
+        brewster.metal,
+    ),
+    Mutant(
+        "the chosen child has the light of the other",
+        {"choice.light": "outcome->stokes_q"},
+        brewster.chooses_one_child,
+    ),
+    Mutant(
+        "one of two that scatters stays polarised",
+        {"event.unpolarised": "NO_LANES"},
+        brewster.scattered_light_is_unpolarised,
+    ),
+    Mutant(
+        "matt light stays polarised",
+        {"mixed.polarised": "event->m"},
+        polarised.replays_a_room,
+    ),
+    Mutant(
+        "a turn from u towards v is right-handed about every ray",
+        {"polarisation.along": "ALL_LANES"},
+        polarised.replays_a_room,
     ),
     Mutant(
         'roulette ends what was aimed',

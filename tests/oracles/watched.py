@@ -111,7 +111,12 @@ def every_kind(light: str = "") -> dict[str, Any]:
     sources: list[dict[str, Any]] = [
         {"kind": "isotropic-point"},
         {"kind": "lambertian-sphere", "radius": 0.02},
-        {"kind": "cosine-point", "axis": "+x", "medium": "dyed"},
+        {
+            "kind": "cosine-point",
+            "axis": "+x",
+            "medium": "dyed",
+            "polarisation": {"degree": 0.5, "angle_deg": 30.0},
+        },
         {"kind": "cone-point", "axis": "-z", "half_angle_deg": 20.0},
         {"kind": "lambertian-disk", "axis": "+y", "radius": 0.05},
         {"kind": "lambertian-rectangle", "axis": "-y", "half_width": 0.05, "half_height": 0.02},
@@ -141,7 +146,7 @@ def every_kind(light: str = "") -> dict[str, Any]:
         "schema": "photizon/1",
         "name": "every kind",
         **({"spectrum": _LIGHT[light]} if light else {}),
-        "run": {"roulette_floor": 0.05, "generation_cap": 6},
+        "run": {"roulette_floor": 0.05, "generation_cap": 6, "polarisation": True},
         "far_field": {"n_mu": 3, "n_phi": 4},
         "medium": [dyed],
         # a rectangle, a disk and a ball
@@ -212,7 +217,7 @@ MORE: Final[dict[str, Case]] = {
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
         "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
-        "scattering-mirror", "dispersing-prism", "coated-window",
+        "scattering-mirror", "dispersing-prism", "coated-window", "polariscope",
     )},
 }  # fmt: skip
 """What takes longer. When 16 lanes are shuffled the simulator takes one for unset: its

@@ -12,12 +12,12 @@ pytestmark = pytest.mark.usefixtures("one_lane")
 NEW = (
     "cpc-concentrator", "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
     "baffled-telescope", "absorbing-cuvette", "aspheric-condenser",
-    "scattering-mirror", "dispersing-prism", "coated-window",
+    "scattering-mirror", "dispersing-prism", "coated-window", "polariscope",
 )  # fmt: skip
 
 
-def test_there_are_sixteen_each_with_an_anchor():
-    assert len(preset_names()) == len(presets()) == 16
+def test_there_are_seventeen_each_with_an_anchor():
+    assert len(preset_names()) == len(presets()) == 17
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 

@@ -47,6 +47,7 @@ LEFT = {
     },
     "importance": {"photizon_cl/scene/importance.py"},
     "spectrum": {"photizon_cl/scene/spectrum.py"},
+    "polarisation": {"photizon_cl/result/recipe.py", "photizon_cl/scene/polarisation.py"},
     "roulette": {
         "photizon_cl/result/ledger.py", "photizon_cl/result/paths.py",
         "photizon_cl/views/report/claims.py", "photizon_cl/views/report/tables.py",

@@ -21,6 +21,7 @@ from photizon_cl.scene.frames import AXES, frame
 from photizon_cl.scene.importance import Importance
 from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.model import Scene
+from photizon_cl.scene.polarisation import Polarisation
 from photizon_cl.scene.presets import presets
 from photizon_cl.scene.registry import COATINGS, DETECTORS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 from photizon_cl.scene.settings import RunSettings
@@ -156,6 +157,7 @@ FRAGMENTS: dict[str, Callable[[], Any]] = {
     "importance": lambda: parameter_table(Importance),
     "medium": lambda: parameter_table(Medium),
     "spectrum": lambda: parameter_table(Spectrum),
+    "polarisation": lambda: parameter_table(Polarisation),
     "source": lambda: parameter_table(DirectedSource),
     "element": lambda: parameter_table(Element),
     "frames": _frames,

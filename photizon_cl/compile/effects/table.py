@@ -18,6 +18,7 @@ from photizon_cl.compile.effects.importance import Importance
 from photizon_cl.compile.effects.media import Media
 from photizon_cl.compile.effects.opening import Opening
 from photizon_cl.compile.effects.path_table import PathTable
+from photizon_cl.compile.effects.polarisation import Polarisation
 from photizon_cl.compile.effects.roulette import Roulette
 from photizon_cl.compile.effects.scatter import Scatter
 from photizon_cl.compile.effects.shares import Shares
@@ -48,6 +49,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     PathTable(),
     Spectrum(),
     Media(),
+    Polarisation(),
     Coatings(),
     Importance(),
     Scatter(),

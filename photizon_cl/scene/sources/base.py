@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from photizon_cl.scene.described import ABSENT, Accepts, Described
+from photizon_cl.scene.described import ABSENT, Accepts, Described, Nested
 from photizon_cl.scene.frames import Frame, frame
 from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.parameters import (
+    declare,
     point,
     positive_number,
     positive_power,
@@ -20,6 +21,7 @@ from photizon_cl.scene.parameters import (
     tilt,
     unique_name,
 )
+from photizon_cl.scene.polarisation import Polarisation
 from photizon_cl.scene.rows import NO_ROW, Row
 from photizon_cl.scene.spectrum import relative_powers
 
@@ -51,6 +53,8 @@ class Source(Described):
     spectrum : sequence of float, optional
         Relative power of each line or band of the scene's ``[spectrum]``; by default the same
         of each.
+    polarisation : Polarisation, optional
+        How its light is polarised; None: not at all. Refused where the run has no polarisation.
     """
 
     label: ClassVar[str] = "source"
@@ -78,6 +82,10 @@ class Source(Described):
     medium: str = field(default=VACUUM, metadata=medium_name("in which its rays start"))
     spectrum: Accepts[Sequence[float] | None, tuple[float, ...] | None] = field(
         default=ABSENT, metadata=relative_powers("relative power of each line or band")
+    )
+    polarisation: Polarisation | None = field(
+        default=None,
+        metadata=declare(Nested(Polarisation, "the", meaning="how its light is polarised")),
     )
 
     @property

@@ -51,6 +51,8 @@ class Surface(Described):
     """Whether it draws random numbers."""
     scatters: ClassVar[bool] = False
     """Whether a ray goes on in a direction drawn from a density, which its kernel then gives."""
+    polarises: ClassVar[bool] = False
+    """Whether how much it sends on depends on how the light is polarised that comes."""
     carries_detector: ClassVar[bool] = False
     """Whether what arrives may be counted."""
     colour: ClassVar[str] = "#000000"

@@ -28,10 +28,11 @@ _BY_NAME = ("medium", "medium_outside")
 
 @dataclass(frozen=True)
 class Fresnel(Surface):
-    """A smooth dielectric interface, unpolarised, that splits every ray into both children.
+    """A smooth dielectric interface that splits every ray into both children.
 
-    R is the mean of the two polarised Fresnel reflectances and T = 1 − R; the reflected child
-    carries R of the weight, the transmitted one T, bent by Snell's law. Beyond the critical angle
+    R is the mean of the two polarised Fresnel reflectances and T = 1 − R; where the run carries
+    polarisation, that of the light that comes. The reflected child carries R of the weight, the
+    transmitted one T, bent by Snell's law. Beyond the critical angle
     the reflected child keeps everything. Nothing is absorbed and no draw is made. The side that a
     ray comes from says which index it is in. Instead of two indices it takes the names of two
     media: rays then carry the medium that they are in, and lose weight on their way through it.
@@ -55,8 +56,8 @@ class Fresnel(Surface):
 
     Notes
     -----
-    Formulas: M. Born and E. Wolf, Principles of Optics, 7th edition, § 1.5.2. Both indices are
-    real and from 0.001 to 1000.
+    Formulas: M. Born and E. Wolf, Principles of Optics, 7th edition, § 1.5.2 and 1.5.4. Both
+    indices are real and from 0.001 to 1000.
     """
 
     kind: ClassVar[str] = "fresnel"
@@ -74,6 +75,7 @@ class Fresnel(Surface):
     transmits: ClassVar[bool] = True
     refracts: ClassVar[bool] = True
     splits: ClassVar[bool] = True
+    polarises: ClassVar[bool] = True
     colour: ClassVar[str] = "#56b4e9"
     label_text: ClassVar[str] = "glass"
 

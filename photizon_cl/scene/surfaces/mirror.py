@@ -28,7 +28,8 @@ class Mirror(Surface):
     With n the unit normal, a direction d leaves as d − 2(d·n)n and its weight is multiplied by
     the reflectance; 1 − ρ of it is absorbed by the element. No draw is made. With a `scatter` the
     reflectance is all that leaves: TIS(θ) of the weight is scattered about that direction, and
-    ρ − TIS(θ) goes on in it.
+    ρ − TIS(θ) goes on in it. A field is reflected as by an ideal conductor, where the run carries
+    polarisation.
 
     Parameters
     ----------

@@ -136,26 +136,27 @@ def _physics(result: Estimates) -> Iterator[Markup]:
     )
     surfaces = [s for element in result.scene.element for s in element.surfaces]
     refracts = any(surface.refracts for surface in surfaces)
-    spectrum = result.scene.spectrum
+    spectrum, polarised = result.scene.spectrum, result.scene.run.polarisation
     lack, constants = "No spectrum", "One set of optical constants holds for the whole run."
     if spectrum is not None:
         lack = "A given spectrum"
         beside = "nothing between them" if spectrum.edges_nm is None else "nothing beside them"
         constants = f"Light is of {spectrum.about}, and of {beside}."
-    glass = " Glass reflects and refracts as for unpolarised light" if refracts else ""
+    without = lack if polarised else f"{lack}, no polarisation"
+    light = "by the polarisation of what comes" if polarised else "as for unpolarised light"
+    glass = f" Glass reflects and refracts {light}" if refracts else ""
     absorbing = [medium.name for medium in result.scene.medium if medium.absorbs]
     if absorbing:
         glass += "." if glass else ""
-        what = f"no polarisation.</strong> {constants}{{}}"
         yield Markup(
-            f"<strong>{lack}, {what} What lies in {{}} absorbs by Beer and Lambert's law and "
+            "<strong>{}.</strong> {}{} What lies in {} absorbs by Beer and Lambert's law and "
             "scatters nothing."
-        ).format(glass, ", ".join(absorbing))
+        ).format(without, constants, glass, ", ".join(absorbing))
     else:
         glass += " and absorbs nothing." if glass else ""
-        yield Markup(
-            f"<strong>{lack}, no polarisation, no bulk absorption.</strong> {constants}{{}}"
-        ).format(glass)
+        yield Markup("<strong>{}, no bulk absorption.</strong> {}{}").format(
+            without, constants, glass
+        )
     yield Markup(
         "<strong>Ideal surfaces and exact shapes.</strong> {}, without measured scatter, roughness "
         "or dust; shapes without tolerances or mounts."
