@@ -129,6 +129,26 @@ def transmitted(light: Light, n: NDArray[Any], m: float) -> Light | None:
     return sent(light, n, to, t_s, t_p)
 
 
+def coated(
+    light: Light, n: NDArray[Any], m: float, surface: Any, nm: float | None, to: NDArray[Any] | None
+) -> Light:
+    """Return what a coated border reflects, or lets through where it goes on `to`."""
+    inside, outside = surface.indices
+    from_inside = light.along @ n > 0.0
+    angle = math.degrees(math.acos(min(abs(light.along @ n), 1.0)))
+    if isinstance(surface.coating, pz.StackCoating):
+        assert nm is not None
+        found = surface.coating.amplitudes(angle, inside, outside, nm=nm, inside=from_inside)
+        r_s, r_p, t_s, t_p = (complex(wave) for wave in found)
+    else:
+        powers = surface.coating.powers(angle, inside, outside, nm=nm, inside=from_inside)
+        root, passed = (math.sqrt(float(part)) for part in powers)
+        r_s, r_p, t_s, t_p = -root, root, passed, passed
+    if to is not None:
+        return sent(light, n, to, t_s, t_p)
+    return sent(light, n, mirrored(light.along, n), r_s, r_p)
+
+
 def conducted(light: Light, n: NDArray[Any], reflectance: float) -> Light:
     """Return what a metal reflects."""
     root = math.sqrt(reflectance)
@@ -148,6 +168,7 @@ def replay(scene: pz.Scene, rays: int, **options: Any) -> dict[str, float]:
     lights: list[Light] = []
     told = {"difference": 0.0, "r": 0, "t": 0, "i": 0, "s": 0, "launched": 0}
     first = np.cumsum([0, *_rays_of(scene, rays)])
+    nm = None if scene.spectrum is None else scene.spectrum.wavelengths_nm[0]
     for n, parent in enumerate(found.parent):
         weight = float(found.weight[n])
         along = found.end[n] - found.start[n]
@@ -158,7 +179,7 @@ def replay(scene: pz.Scene, rays: int, **options: Any) -> dict[str, float]:
             told["launched"] += 1
             continue
         element = scene.element[int(found.element[parent])]
-        light, what = _behind(lights[parent], element, along, weight)
+        light, what = _behind(lights[parent], element, along, weight, nm)
         told[what] += 1
         if what != "s" and element.surface.lobe is None:
             told["difference"] = max(told["difference"], abs(light.power - weight))
@@ -172,7 +193,9 @@ def _rays_of(scene: pz.Scene, rays: int) -> Sequence[int]:
     return share_rays(scene, rays)
 
 
-def _behind(light: Light, element: Any, along: NDArray[Any], weight: float) -> tuple[Light, str]:
+def _behind(
+    light: Light, element: Any, along: NDArray[Any], weight: float, nm: float | None
+) -> tuple[Light, str]:
     """Return the light of the ray that left an element in a direction, and what happened."""
     n, surface = np.array(element.frame[2]), element.surface
     back = mirrored(light.along, n)
@@ -182,6 +205,10 @@ def _behind(light: Light, element: Any, along: NDArray[Any], weight: float) -> t
         inside, outside = surface.indices
         m = outside / inside if light.along @ n < 0.0 else inside / outside
         through = refracted(light.along, n, m)
+        if surface.coating is not None and (_same(back, along) or through is not None):
+            to = None if _same(back, along) else through
+            light = coated(light, n, m, surface, nm, to)
+            return light, "t" if to is not None else "r" if through is not None else "i"
         if through is not None and _same(through, along):
             passed = transmitted(light, n, m)
             assert passed is not None
@@ -254,6 +281,7 @@ def bench(
     told: dict[str, Any] | None = None,
     *,
     half: float = 1e-3,
+    more: dict[str, Any] | None = None,
     **run: Any,
 ) -> pz.Scene:
     """Return a beam of one ray along +z, the faces that it meets, and a detector at its end.
@@ -286,7 +314,7 @@ def bench(
     end |= {"half_width": 0.1, "half_height": 0.1, "detector": {}, "name": "end"}
     # light that comes back to the same way has made more interactions
     settings = {"rays_per_batch": 1, "generation_cap": len(elements) + 1, **ON, **run}
-    return scene_of([lamp], [*elements, end], run=settings)
+    return scene_of([lamp], [*elements, end], run=settings, **(more or {}))
 
 
 def arriving(scene: pz.Scene) -> float:
@@ -294,18 +322,25 @@ def arriving(scene: pz.Scene) -> float:
     return float(trace(scene).detector("end").power)
 
 
-def chain(seed: int, faces: int, told: dict[str, Any] | None) -> pz.Scene:
-    """Return a bench of faces at random angles: borders met from either side, and mirrors."""
+def chain(
+    seed: int, faces: int, told: dict[str, Any] | None, coatings: Sequence[Any] = (), **more: Any
+) -> pz.Scene:
+    """Return a bench of faces at random angles: borders met from either side, and mirrors.
+
+    Where there are `coatings` borders have them in turn, and every third has none.
+    """
     g = np.random.default_rng(seed)
-    steps = []
+    steps: list[Step] = []
     for _ in range(faces):
         kind = g.choice(["mirror", "through", "back", "back"])
         surface = glass(*map(float, g.uniform(1.0, 2.5, 2)))
         if kind == "mirror":
             surface = {"kind": "mirror", "reflectance": float(g.uniform(0.5, 1.0))}
+        elif coatings and len(steps) % 3:
+            surface["coating"] = coatings[len(steps) % len(coatings)]
         behind, through = bool(g.integers(2)), kind == "through"
         steps.append(Step(g.uniform(0.0, 85.0), g.normal(size=3), surface, through, behind))
-    return bench(steps, told)
+    return bench(steps, told, more=more)
 
 
 def room(**run: Any) -> pz.Scene:
