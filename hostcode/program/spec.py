@@ -447,6 +447,7 @@ class ProgramSpec:
         """Whether what surfaces reflect and let pass may be a coating's."""
         return any(part.coats for part in self.parts)
 
+    @property
     def amplitudes(self) -> bool:
         """Whether surfaces are asked by what amplitudes they send on polarised light."""
         return any(part.amplitudes for part in self.parts)
