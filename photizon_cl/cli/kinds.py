@@ -204,13 +204,15 @@ def _describe(kind: str, out: Console) -> None:
         if n:
             out.print()
         _describe_class(kind, label, groups[label][kind], out)
-    if labels:
-        return
-    if kind.removesuffix("s") in _groups():
+    if not labels and kind.removesuffix("s") in _groups():
         _list(out, kind.removesuffix("s"))
         return
-    if kind not in effects:
+    if not labels and kind not in effects:
         raise ArgumentError(_unknown(kind, groups, effects))
+    if kind not in effects:
+        return
+    if labels:
+        out.print()
     what, costs = effects[kind]
     out.print(Text.assemble((kind, "bold"), "  effect"))
     for text in (what, f"costs {costs}"):
