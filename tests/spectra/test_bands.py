@@ -13,6 +13,7 @@ from oracles.scenes import BLACK, beam, wall
 
 import photizon_cl as pz
 from photizon_cl.compile.grid import Grid, numbers_of
+from photizon_cl.compile.kinds import Kinds
 from photizon_cl.compile.packing import material_table
 
 EDGES = [400.0, 480.0, 500.0, 700.0]
@@ -114,7 +115,9 @@ def test_each_surface_reads_its_own_rows(light):
         made = compiled(scene, rays_per_batch=16)
         grid, width = Grid.of(scene), made.tables.spec.strides.material
         table = made.tables.materials.reshape(-1, width)
-        places = material_table(scene, made.tables.spec.strides, grid)[1]
+        places = material_table(
+            scene, Kinds.of(scene, general=False), made.tables.spec.strides, grid
+        )[1]
         assert len(table) == len(places) * grid.n * (grid.degree + 1)
         for surface, place in places.items():
             wanted = list(grid.rows(numbers_of(scene, surface)))
