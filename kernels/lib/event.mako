@@ -47,7 +47,7 @@ FN real material_number(const material_t *material, int column) {
 % for k in range(degree - 1, -1, -1):
     x = fma(x, material->along, gather(material->table + column + ${k * stride}, material->row));
 % endfor
-    return ${point("spectrum.number", "x")};
+    return ${point("event.number", "x")};
 % endif
     if (material->only >= 0) return splat(material->table[material->only + column]);
     return gather(material->table + column, material->row);
@@ -60,7 +60,7 @@ FN weight weight_number(const material_t *material, int column) {
 % for k in range(degree - 1, -1, -1):
     x = fma(x, TO_WEIGHT(material->along), gather_weight(material->table + column + ${k * stride}, material->row));
 % endfor
-    return ${point("spectrum.weight", "x")};
+    return ${point("event.weight", "x")};
 % endif
     if (material->only >= 0) return weight_splat(material->table[material->only + column]);
     return gather_weight(material->table + column, material->row);

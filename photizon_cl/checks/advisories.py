@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from photizon_cl.checks.coarse import coarse
+from photizon_cl.checks.coatings import coarse_phases
 from photizon_cl.checks.coincident import coincident_faces
 from photizon_cl.checks.directions import coarse_directions
 from photizon_cl.checks.gaps import lost_gaps
@@ -54,6 +55,7 @@ def advisories(scene: Scene, precision: str = DEFAULT) -> list[str]:
     found += coarse(scene, roundoff)
     found += lost_gaps(scene, roundoff)
     found += coarse_directions(scene, roundoff)
+    found += coarse_phases(scene, roundoff)
     found += idle_importance(scene)
     found += idle_polarisation(scene)
     found += _idle_media(scene)

@@ -221,3 +221,14 @@ def test_curves_that_people_give_are_taken():
     table = {"kind": "mirror", "reflectance": {"angle_deg": [0, 60], "value": [0.9, 0.8]}}
     assert pz.load(tables(table)).element[0].surface == mirror
     assert mirror.absorptance is None
+
+
+def test_films_that_a_precision_cannot_carry_are_told():
+    thick = {"kind": "stack", "layers": [{**LAYER, "thickness_nm": 1e5}]}
+    scene = pz.load(tables({**GLASS, "coating": thick}, LINES))
+    said = [text for text in pz.advisories(scene, "mixed") if "wavelengths thick" in text]
+    assert len(said) == 1
+    assert "the coating is 307 wavelengths thick at 450 nm" in said[0]
+    assert not [text for text in pz.advisories(scene) if "wavelengths thick" in text]
+    thin = pz.load(tables({**GLASS, "coating": STACK}, LINES))
+    assert not [text for text in pz.advisories(thin, "fp32") if "wavelengths thick" in text]

@@ -267,6 +267,22 @@ def test_a_coating_beside_bare_glass_changes_no_bit_of_it(number):
     assert runs[0].digest == runs[1].digest
 
 
+@pytest.mark.parametrize("number", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (5, 8))])
+def test_random_scenes_with_coatings_are_one_whatever_runs_them(number):
+    """Every border of a random scene coated at random: lanes, waves and stages change no bit."""
+    tables = {**random_scene(number, rays=200), "spectrum": LINES}
+    kinds = [HALF, METAL, BY_ANGLE, MIRROR_OF_12]
+    for n, element in enumerate(tables["element"]):
+        if element["surface"]["kind"] == "fresnel":
+            element["surface"] = {**element["surface"], "coating": kinds[(n + number) % 4]}
+    made = compiled(pz.load(tables))
+    assert "coated-faces" in made.effects
+    one = trace_compiled(made, 1, plan=PLAN.with_(lanes=1))
+    for changes in ({"lanes": 8}, {"lanes": 1, "wave_rays": 32, "stack_rays": 4}):
+        assert trace_compiled(made, 1, plan=PLAN.with_(**changes)).digest == one.digest
+    assert max(map(abs, one.closures())) <= 1e-14
+
+
 @pytest.mark.parametrize("precision", ["mixed", "fp32"])
 def test_other_precisions_have_the_same_shares(precision):
     scene = window(MGF2, 30.0, spectrum=LINES, detector={"generations": 4})

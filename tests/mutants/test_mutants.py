@@ -705,7 +705,7 @@ MUTANTS = (
     ),
     Mutant(
         'what depends on wavelength is that of where pieces begin',
-        {'spectrum.number': 'gather(material->table + column, material->row)'},
+        {'event.number': 'gather(material->table + column, material->row)'},
         spectra.prism_of_bands,
     ),
     Mutant(
@@ -730,7 +730,7 @@ MUTANTS = (
     ),
     Mutant(
         'a mirror that scatters reflects as where pieces of bands begin',
-        {'spectrum.weight': 'gather_weight(material->table + column, material->row)'},
+        {'event.weight': 'gather_weight(material->table + column, material->row)'},
         spectra_scatter.scattering_of_bands,
     ),
     Mutant(

@@ -189,7 +189,7 @@ CASES: Final[dict[str, Case]] = {
     "every kind, through a tree": Case(rays=7, force=TREE),
     "every kind, stage by stage": Case(rays=7, plan={"composition": "classical"}),
     "every kind, ray by ray": Case(rays=7, by_ray=True),
-    "every kind, of bands": Case(light="bands", rays=12),
+    "every kind, of bands": Case(light="bands", rays=14),
     "4 lanes": Case(LADDER, 2, plan={"lanes": 4}),
     "a kernel a path": Case(LADDER, 2, plan={"composition": "whole-path"}),
     "copies of the tally": Case("box-room", 8, 2, {"tally_copies": 2, "wave_rays": 16}),
@@ -202,9 +202,9 @@ MORE: Final[dict[str, Case]] = {
     "every kind, 8 in turn through a tree": Case(
         rays=7, force=TREE, plan={"lanes": 8, "cached_bytes": 1}
     ),
-    "every kind, of lines": Case(light="lines", rays=18),
-    "every kind, of bands, ray by ray": Case(light="bands", rays=12, by_ray=True),
-    "every kind, of bands, 4 lanes": Case(light="bands", rays=12, plan={"lanes": 4}),
+    "every kind, of lines": Case(light="lines", rays=21),
+    "every kind, of bands, ray by ray": Case(light="bands", rays=14, by_ray=True),
+    "every kind, of bands, 4 lanes": Case(light="bands", rays=14, plan={"lanes": 4}),
     "every kind, 8 lanes": Case(plan={"lanes": 8, "refill": 2}),
     "every kind, 16 lanes": Case(plan={"lanes": 16, "refill": 4}, unset=False),
     "every kind, a kernel a path": Case(plan={"composition": "whole-path"}),

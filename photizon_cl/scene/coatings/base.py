@@ -88,6 +88,10 @@ class Coating(Described):
         """What the kernel reads of each of its nodes or layers, of one that has some."""
         return ()
 
+    def waves(self, nm: float) -> float:
+        """Return how many wavelengths of its own light it is thick; 0 where that does not count."""
+        return 0.0
+
     @abstractmethod
     def parts(self, met: Meeting, nm: float | None) -> tuple[Array, Array]:
         """Return reflectance and transmittance below the critical angle, and beyond it."""
@@ -125,7 +129,15 @@ class Coating(Described):
             Where an angle is none, or there is no wavelength and it depends on that.
         """
         met = meeting(angle_deg, index, index_outside, inside=inside)
-        return self.at(nm).parts(met, nm)
+        try:
+            return self.at(nm).parts(met, nm)
+        except ArgumentError:
+            raise
+        except ValueError as error:
+            raise ArgumentError(
+                "nm: found no wavelength, expected one, in nanometres: what the coating does "
+                "depends on it"
+            ) from error
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return derived quantities: name → (value, unit)."""
@@ -139,6 +151,9 @@ def meeting(angle_deg: ArrayLike, index: float, index_outside: float, *, inside:
         raise ArgumentError(
             f"angle_deg: found {show(angle.tolist())}, expected angles in degrees, from 0 to 90"
         )
+    if not (index > 0.0 and index_outside > 0.0):
+        found = show([index, index_outside])
+        raise ArgumentError(f"index: found {found}, expected refractive indices, above 0")
     before, behind = (index, index_outside) if inside else (index_outside, index)
     # both ends exactly
     sine = np.where(angle == 90.0, 1.0, np.sin(np.radians(angle)))

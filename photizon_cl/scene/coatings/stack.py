@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -248,6 +249,10 @@ class StackCoating(Coating):
             transmitted.append(2.0 * share * passed / total)
         return Amplitudes(reflected[0], reflected[1], transmitted[0], transmitted[1])
 
+    def waves(self, nm: float) -> float:
+        """Return how many wavelengths of its own light it is thick."""
+        return sum(y.index * y.thickness_nm for y in self.layers) / nm
+
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return the thickness of all layers together."""
         return {"thickness of the stack": (sum(y.thickness_nm for y in self.layers), "nm")}
@@ -255,8 +260,7 @@ class StackCoating(Coating):
 
 def _given(nm: float | None) -> float:
     if nm is None:
-        raise ArgumentError(
-            "coating: found no wavelength, expected one, in nanometres: what a stack does depends "
-            "on it"
-        )
+        raise ValueError("what a stack does depends on wavelength, and none is given")
+    if not 0.0 < nm < math.inf:
+        raise ArgumentError(f"nm: found {show(nm)}, expected a wavelength in nanometres, above 0")
     return float(nm)

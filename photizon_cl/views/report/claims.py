@@ -145,6 +145,9 @@ def _physics(result: Estimates) -> Iterator[Markup]:
     without = lack if polarised else f"{lack}, no polarisation"
     light = "by the polarisation of what comes" if polarised else "as for unpolarised light"
     glass = f" Glass reflects and refracts {light}" if refracts else ""
+    coated = any(surface.refracts and surface.coat is not None for surface in surfaces)
+    if coated:
+        glass += ", coated faces as their coatings say, within which alone films interfere"
     absorbing = [medium.name for medium in result.scene.medium if medium.absorbs]
     if absorbing:
         glass += "." if glass else ""
@@ -153,7 +156,8 @@ def _physics(result: Estimates) -> Iterator[Markup]:
             "scatters nothing."
         ).format(without, constants, glass, ", ".join(absorbing))
     else:
-        glass += " and absorbs nothing." if glass else ""
+        nothing = "; but for those it absorbs nothing." if coated else " and absorbs nothing."
+        glass += nothing if glass else ""
         yield Markup("<strong>{}, no bulk absorption.</strong> {}{}").format(
             without, constants, glass
         )
