@@ -351,7 +351,7 @@ def room(**run: Any) -> pz.Scene:
         {"kind": "mirror", "reflectance": 0.9, "scatter": lobe},
         {"kind": "mixed", "specular": 0.5, "diffuse": 0.3},
         {"kind": "lambertian", "reflectance": 0.7},
-        {"kind": "mixed", "specular": 0.2, "diffuse": 0.6},
+        {"kind": "mixed", "specular": 0.0, "diffuse": 0.6},
         {"kind": "mirror", "reflectance": 0.8},
     ]
     walls = [{**face, "surface": s} for face, s in zip(cube({}), surfaces, strict=True)]

@@ -26,7 +26,8 @@ __kernel void test(__global const double *in, __global double *out, uint count) 
     outcome_t o = no_outcome(&p, &c);
     send_on(&o, ALL_LANES, IN(15), IN(6), IN(7), splat(1.0), wsplat(REFLECTED));
     polarise(&o, ALL_LANES, &light, &a);
-    STORE(o.stokes_q, out, i); STORE(o.stokes_u, out + count, i); STORE(o.stokes_v, out + 2 * count, i);
+    STORE(o.stokes_q, out, i); STORE(o.stokes_u, out + count, i);
+    STORE(o.stokes_v, out + 2 * count, i);
     STORE(part_of(&light, &a), out + 3 * count, i);
     const amplitudes_t same = alike(), metal = conductor();
     STORE(part_of(&light, &same), out + 4 * count, i);
