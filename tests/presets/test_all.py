@@ -16,13 +16,8 @@ NEW = (
 )  # fmt: skip
 
 
-<<<<<<< ours
 def test_there_are_seventeen_each_with_an_anchor():
     assert len(preset_names()) == len(presets()) == 17
-=======
-def test_there_are_fifteen_each_with_an_anchor():
-    assert len(preset_names()) == len(presets()) == 15
->>>>>>> theirs
     assert all(any(c.isdigit() for c in entry.anchor) for entry in presets().values())
 
 
