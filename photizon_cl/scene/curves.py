@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.parameters import Parameter
 
 __all__ = [
+    "INTERPOLATED",
     "LONGEST_NM",
     "SHORTEST_NM",
     "AbsorptionCurve",
@@ -40,6 +41,10 @@ __all__ = [
 SHORTEST_NM: Final = 1e-3
 LONGEST_NM: Final = 1e9
 """Range of wavelengths in nanometres: from gamma rays to radio."""
+INTERPOLATED: Final = 2.0**-49
+"""How much more the sum of two parts may be where one is interpolated: each is within 6·2^-53 of
+what is between its nodes (three roundings to the place, one each of rise, product and sum), the sum
+within 13·2^-53."""
 _MOST_NODES: Final = 10_000
 _LEAST_STEP: Final = 5e-324
 """Two different doubles are further apart: no wavelengths are too close to be told apart."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, Self, TypeVar
 
 from photizon_cl.errors import Problem, SceneError, show
 from photizon_cl.scene.names import ByName
@@ -120,6 +120,17 @@ class Described:
     def cross_check(cls, known: Known) -> list[Problem]:
         """Return the problems between values, each with a path relative to this object."""
         return []
+
+    def unchecked(self, **values: Any) -> Self:
+        """Return it with other values, canonical and known to be good: they are not checked again.
+
+        What follows from values that were checked need not pass the same check: a sum is rounded.
+        """
+        made = object.__new__(type(self))
+        for entry in _fields(type(self)):
+            value = values.get(entry.name, getattr(self, entry.name))
+            object.__setattr__(made, entry.name, value)
+        return made
 
     def to_table(self) -> dict[str, Any]:
         """Return the object as a table of the file, kind after name, without what is absent."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -11,6 +11,7 @@ import numpy as np
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.coatings.base import Coating, whole
 from photizon_cl.scene.curves import (
+    INTERPOLATED,
     Curve,
     at_wavelength,
     bounded_fraction,
@@ -67,7 +68,7 @@ class FixedCoating(Coating):
         if reflectance is None or transmittance is None:
             return []
         for nm, r, t in _pairs(reflectance, transmittance):
-            if r + t > 1.0 + 2.0**-52:
+            if r + t > 1.0 + (2.0**-52 if nm is None else INTERPOLATED):
                 at = "" if nm is None else f" at {nm:.9g} nm"
                 hint = f"reflectance + transmittance are {r + t:.9g}{at}, and at most 1"
                 expected = f"a number from 0 to {1.0 - r:.9g}{at}, as {show(r)} is reflected"
@@ -86,8 +87,8 @@ class FixedCoating(Coating):
             return self
         reflectance, transmittance = (at_wavelength(value, nm) for value in both)
         # between nodes rounding may give a little more
-        return replace(
-            self, reflectance=reflectance, transmittance=min(transmittance, 1.0 - reflectance)
+        return self.unchecked(
+            reflectance=reflectance, transmittance=min(transmittance, 1.0 - reflectance)
         )
 
     def packed(self, indices: tuple[float, float], nm: float | None) -> dict[str, float]:

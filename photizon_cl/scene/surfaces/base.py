@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from photizon_cl.scene.coatings import Coating
@@ -121,7 +121,7 @@ class Surface(Described):
         tables = {item: v for item, v in values.items() if isinstance(v, OverWavelength)}
         if not tables:
             return self
-        return replace(self, **{item: at_wavelength(v, nm) for item, v in tables.items()})
+        return self.unchecked(**{item: at_wavelength(v, nm) for item, v in tables.items()})
 
     def advice(self) -> list[str]:
         """Return what is valid and yet probably not meant, as what follows its element's name."""

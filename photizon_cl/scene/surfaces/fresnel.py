@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
@@ -159,12 +159,14 @@ class Fresnel(Surface):
         if self.media is None:
             return self
         inside, outside = (index_of[name] for name in self.media)
-        return Fresnel(inside, outside, scatter=self.scatter, coating=self.coating)
+        return self.unchecked(
+            index=inside, index_outside=outside, medium=None, medium_outside=None
+        )
 
     def at(self, nm: float | None) -> Fresnel:
         """Return it with numbers in place of tables over wavelength, which a coating may have."""
         coating = self.coating.at(nm) if self.coating is not None else None
-        return self if coating is self.coating else replace(self, coating=coating)
+        return self if coating is self.coating else self.unchecked(coating=coating)
 
     @property
     def absorbs(self) -> bool:  # type: ignore[override]  # bare glass takes nothing

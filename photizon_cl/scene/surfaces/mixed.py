@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.curves import Curve, at_wavelength, fraction_or_curve, number_of
+from photizon_cl.scene.curves import INTERPOLATED, Curve, at_wavelength, fraction_or_curve, number_of
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces.base import Surface
 
@@ -65,9 +65,10 @@ class Mixed(Surface):
         # the sum of two tables that are linear between nodes is largest at one
         curves = [c for c in (specular, diffuse) if isinstance(c, Curve)]
         wavelengths: list[float | None] = [*sorted({nm for c in curves for nm in c.wavelength_nm})]
+        most = 1.0 + INTERPOLATED if curves else 1.0
         for nm in wavelengths or [None]:
             s, d = at_wavelength(specular, nm), at_wavelength(diffuse, nm)
-            if s + d > 1.0:
+            if s + d > most:
                 where = "" if nm is None else f" at {nm:.9g} nm"
                 hint = "more would be reflected than arrives"
                 expected = f"at most 1 - {show(s)}{where}"
