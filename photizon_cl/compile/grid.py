@@ -16,10 +16,11 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.errors import ArgumentError
+from photizon_cl.scene.media.names import VACUUM
 from photizon_cl.scene.spectral import curves_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.surfaces import Surface
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     Numbers = Callable[[float | None], Sequence[float]]
     """What some numbers are at a wavelength in nanometres; at None where there is none."""
 
-__all__ = ["BOUND", "DEGREE", "MOST_PIECES", "Grid"]
+__all__ = ["BOUND", "DEGREE", "MOST_PIECES", "Grid", "Indices", "numbers_of"]
 
 DEGREE: Final = 5
 """Of the polynomials in a piece of a band."""
@@ -125,14 +126,36 @@ def _varying(scene: Scene) -> list[Numbers]:
     """Return the numbers of the surfaces that depend on wavelength by more than tables."""
     glasses = {medium.name for medium in scene.medium if medium.index is None}
     found: dict[Surface, Numbers] = {}
+    indices = Indices(scene)
     for element in scene.element:
         for surface in element.surfaces:
             if surface.media is not None and glasses.intersection(surface.media):
-                found[surface] = numbers_of(scene, surface)
+                found[surface] = numbers_of(scene, surface, indices=indices)
     return list(found.values())
 
 
-def numbers_of(scene: Scene, surface: Surface, own: int = 0) -> Numbers:
+class Indices:
+    """Refractive indices of a scene's media, each computed once at a wavelength."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._media = {medium.name: medium for medium in scene.medium}
+        self._known: dict[tuple[str, float | None], float] = {}
+
+    def of(self, names: Iterable[str], nm: float | None) -> dict[str, float]:
+        """Return those of some media by name, the vacuum's too, at a wavelength in nanometres."""
+        found = {}
+        for name in names:
+            index = self._known.get((name, nm))
+            if index is None:
+                index = 1.0 if name == VACUUM else self._media[name].index_at(nm)
+                self._known[name, nm] = index
+            found[name] = index
+        return found
+
+
+def numbers_of(
+    scene: Scene, surface: Surface, own: int = 0, *, indices: Indices | None = None
+) -> Numbers:
     """Return what a surface's row has over wavelength, and behind it what its coating's has.
 
     Parameters
@@ -143,10 +166,13 @@ def numbers_of(scene: Scene, surface: Surface, own: int = 0) -> Numbers:
         One of its surfaces.
     own : int
         Where in the row the coating's columns begin at least.
+    indices : Indices, optional
+        Of the scene, where several surfaces share what is known of its media.
     """
+    known, media = indices or Indices(scene), surface.media or ()
 
     def numbers(nm: float | None) -> list[float]:
-        optics = surface.among(scene.index_of(nm)).at(nm)
+        optics = surface.among(known.of(media, nm)).at(nm)
         row, coat = optics.row.pack(optics.packed()), optics.coat
         if coat is None or optics.indices is None:
             return row

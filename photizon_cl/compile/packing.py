@@ -9,7 +9,7 @@ import numpy as np
 from hostcode.errors import HostError
 from hostcode.program.codes import decode, encode
 from hostcode.program.spec import CACHE_LINE, ElementClass, SourceKind, Strides, SurfaceKind
-from photizon_cl.compile.grid import numbers_of
+from photizon_cl.compile.grid import Indices, numbers_of
 from photizon_cl.errors import ArgumentError
 from photizon_cl.geometry.placing import bounded, moved
 from photizon_cl.scene.elements import Element
@@ -300,12 +300,13 @@ def material_table(
     own = _own_columns(kinds)
     length = stride.material * grid.n * (grid.degree + 1)
     places: dict[Surface, int] = {}
+    indices = Indices(scene)
     for element in scene.element:
         for surface in element.surfaces:
             if surface in places:
                 continue
             values: list[float] = []
-            for row in grid.rows(numbers_of(scene, surface, own)):
+            for row in grid.rows(numbers_of(scene, surface, own, indices=indices)):
                 values += [*row, *(0.0,) * (stride.material - len(row))]
             places[surface] = rows.setdefault((surface.kind, tuple(values)), len(rows) * length)
     return [x for _, row in rows for x in row], places

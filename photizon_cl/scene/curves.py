@@ -5,9 +5,10 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from photizon_cl.errors import Problem, show
+from photizon_cl.errors import ArgumentError, Problem, show
 from photizon_cl.scene.described import REQUIRED, Accepts, Described
 from photizon_cl.scene.number_lists import Ascending
 from photizon_cl.scene.parameters import BAD, LARGEST, Number, Numbers, declare
@@ -36,6 +37,7 @@ __all__ = [
     "lengths_agree",
     "nodes",
     "number_of",
+    "wavelength",
 ]
 
 SHORTEST_NM: Final = 1e-3
@@ -48,6 +50,32 @@ within 13·2^-53."""
 _MOST_NODES: Final = 10_000
 _LEAST_STEP: Final = 5e-324
 """Two different doubles are further apart: no wavelengths are too close to be told apart."""
+
+
+def wavelength(nm: object, owner: str) -> float:
+    """Return a wavelength in nanometres as a float.
+
+    Parameters
+    ----------
+    nm : object
+        What was given as one.
+    owner : str
+        What is asked about it, for the message: ``medium "bk7"``.
+
+    Raises
+    ------
+    ArgumentError
+        Where it is none, from 0.001 to 1e9 nm.
+    """
+    if type(nm) is float and SHORTEST_NM <= nm <= LONGEST_NM:
+        return nm
+    number = isinstance(nm, Real) and not isinstance(nm, bool)
+    if not (number and SHORTEST_NM <= nm <= LONGEST_NM):  # type: ignore[operator]
+        raise ArgumentError(
+            f"{owner}: found the wavelength {show(nm)}, expected a number of nanometres, from "
+            f"{SHORTEST_NM:g} to {LONGEST_NM:g}"
+        )
+    return float(nm)  # type: ignore[arg-type]
 
 
 def ascending_nm(what: str, meaning: str, *, least: int, most: int) -> dict[str, Parameter]:
@@ -131,8 +159,14 @@ class _Table(OverWavelength):
         return nm, value
 
     def at(self, nm: float) -> float:
-        """Return the value at a wavelength in nanometres."""
-        return interpolated(self.wavelength_nm, self.values, nm)
+        """Return the value at a wavelength in nanometres.
+
+        Raises
+        ------
+        ArgumentError
+            Where that is none, from 0.001 to 1e9 nm.
+        """
+        return interpolated(self.wavelength_nm, self.values, wavelength(nm, f"the {self.label}"))
 
     def __str__(self) -> str:
         low, high = min(self.values), max(self.values)
@@ -184,6 +218,23 @@ class BoundedCurve(Curve):
     def domain(self) -> tuple[float, float]:
         """Wavelengths in nanometres between which it is known."""
         return self.wavelength_nm[0], self.wavelength_nm[-1]
+
+    def at(self, nm: float) -> float:
+        """Return the value at a wavelength in nanometres.
+
+        Raises
+        ------
+        ArgumentError
+            Where that is none, or outside the table.
+        """
+        low, high = self.domain
+        nm = wavelength(nm, "the coating's table")
+        if not low <= nm <= high:
+            raise ArgumentError(
+                f"the coating's table: found the wavelength {show(nm)}, expected one from "
+                f"{low:.9g} to {high:.9g} nm, where it is given; it is not extrapolated"
+            )
+        return super().at(nm)
 
 
 @dataclass(frozen=True)
@@ -311,11 +362,14 @@ def at_wavelength(value: Any, nm: float | None) -> Any:
 
     Raises
     ------
-    ValueError
-        Where it is one, and there is no wavelength.
+    ArgumentError
+        Where it is one, and there is no wavelength, or it has no value there.
     """
     if not isinstance(value, _Table):
         return value
     if nm is None:
-        raise ValueError("it depends on wavelength, and none is given")
+        raise ArgumentError(
+            f"the {value.label}: found no wavelength, expected one, as it depends on it: nm, in "
+            "nanometres"
+        )
     return value.at(nm)

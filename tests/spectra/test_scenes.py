@@ -8,6 +8,7 @@ import pytest
 from oracles import spectra
 
 import photizon_cl as pz
+from photizon_cl.compile.grid import Indices, numbers_of
 from photizon_cl.scene.writing import to_json, to_toml
 
 CURVE = {"wavelength_nm": [400.0, 700.0], "value": [0.5, 0.8]}
@@ -193,6 +194,77 @@ def test_python_refuses_the_same():
         pz.Medium("glass", 1.5, dispersion=pz.Cauchy(A=1.5))
     with pytest.raises(ValueError, match="depends on wavelength"):
         pz.Medium("glass", dispersion=pz.Cauchy(A=1.5)).index_at(None)
+
+
+SLOPE = pz.IndexTable([500.0, 700.0], [1.6, 1.5])
+RANGED = pz.Sellmeier([1.0], [0.01], range_nm=[400.0, 700.0])
+
+
+@pytest.mark.parametrize(
+    ("dispersion", "nm", "wanted"),
+    [
+        (SLOPE, 499.9, "from 500 to 700 nm"),
+        (SLOPE, 700.1, "from 500 to 700 nm"),
+        (RANGED, 399.0, "from 400 to 700 nm"),
+        (pz.Sellmeier([1.0], [0.25]), 500.0, "gives none there"),
+        (pz.Sellmeier([1.0], [0.25]), 499.0, "gives none there"),
+        (pz.Cauchy(A=2000.0), 500.0, "gives 2000 there"),
+        (pz.Polynomial([1e-8], [0]), 500.0, "gives 0.0001 there"),
+        *(
+            (dispersion, nm, "a number of nanometres, from 0.001 to 1e+09")
+            for dispersion in (SLOPE, RANGED, pz.Cauchy(A=1.5))
+            for nm in (math.nan, math.inf, 0.0, -500.0, 1e-300, "550", True, 10**400)
+        ),
+    ],
+)
+def test_where_there_is_no_index_none_is_told(dispersion, nm, wanted):
+    medium = pz.Medium("x", dispersion=dispersion)
+    for owner, ask in (("the dispersion", dispersion.at), ('medium "x"', medium.index_at)):
+        with pytest.raises(pz.ArgumentError) as caught:
+            ask(nm)
+        text = str(caught.value)
+        assert text.startswith(f"{owner}")
+        assert wanted in text
+        assert len(text.splitlines()) == 1
+
+
+def test_what_is_no_wavelength_is_refused_whatever_is_asked():
+    dyed = pz.Medium("x", 1.5, pz.AbsorptionCurve([400.0, 700.0], [1.0, 2.0]))
+    coating = pz.FixedCoating(CURVE, 0.2)
+    asked = [
+        pz.Medium("x", 1.5).index_at, dyed.absorption_at, pz.Curve(**CURVE).at,
+        lambda nm: dyed.transmittance(0.1, nm),
+        lambda nm: pz.Medium("x", 1.5, 2.0).transmittance(0.1, nm),
+        lambda nm: pz.Medium("x", 1.5).transmittance(0.1, nm),
+        lambda nm: coating.powers(0.0, 1.5, nm=nm),
+    ]  # fmt: skip
+    for ask in asked:
+        ask(550.0)
+        ask(550)
+        for nm in (math.nan, math.inf, 0.0, -1.0, "550", True):
+            with pytest.raises(pz.ArgumentError, match="found the wavelength"):
+                ask(nm)
+    for ask in (dyed.absorption_at, lambda nm: dyed.transmittance(0.1, nm),
+                lambda nm: coating.powers(0.0, 1.5, nm=nm)):  # fmt: skip
+        with pytest.raises(pz.ArgumentError, match="found no wavelength"):
+            ask(None)
+    for nm in (399.0, 701.0):  # what a coating does is not extrapolated
+        with pytest.raises(pz.ArgumentError, match="from 400 to 700 nm"):
+            coating.powers(0.0, 1.5, nm=nm)
+        assert pz.Curve(**CURVE).at(nm) in CURVE["value"]
+        assert dyed.absorption_at(nm) in (1.0, 2.0)
+
+
+def test_indices_are_asked_of_the_media_of_a_surface_alone():
+    """A scene of many glasses costs no more for a surface that has none, or has two."""
+    scene = pz.load(tables())
+    asked = []
+    known = Indices(scene)
+    whole = known.of
+    known.of = lambda names, nm: asked.append(tuple(names)) or whole(names, nm)
+    for element in scene.element:
+        numbers_of(scene, element.surface, indices=known)(550.0)
+    assert asked == [("bk7", "vacuum"), (), ()]
 
 
 def test_a_table_that_ends_is_advised_of():

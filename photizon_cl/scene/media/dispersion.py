@@ -7,13 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from photizon_cl.errors import Problem
+from photizon_cl.errors import ArgumentError, Problem, show
 from photizon_cl.scene.curves import (
     OverWavelength,
     ascending_nm,
     interpolated,
     lengths_agree,
     nodes,
+    wavelength,
 )
 from photizon_cl.scene.described import ABSENT, REQUIRED, Accepts
 from photizon_cl.scene.parameters import (
@@ -69,17 +70,45 @@ class Dispersion(OverWavelength):
         return ()
 
     def at(self, nm: float) -> float:
-        """Return the index at a wavelength in nanometres; NaN where there is none."""
-        raise NotImplementedError
+        """Return the index at a wavelength in nanometres.
+
+        Raises
+        ------
+        ArgumentError
+            Where that is none, or it has no index there: outside of a table or a range, at a
+            resonance, or where a formula gives less than 0.001 or more than 1000.
+        """
+        return self.index_for(nm, f"the dispersion {show(self.kind)}")
+
+    def index_for(self, nm: float, owner: str) -> float:
+        """Return `at`, with what has it as the subject of a message: ``medium "bk7"``."""
+        nm = wavelength(nm, owner)
+        index, fault = self._judged(nm)
+        if not fault:
+            return index
+        where = "at which there is an index"
+        if self.domain is not None:
+            where = f"from {self.domain[0]:.9g} to {self.domain[1]:.9g} nm, where it has an index"
+        raise ArgumentError(
+            f"{owner}: found the wavelength {show(nm)}, expected one {where} ({fault})"
+        )
 
     def fault(self, nm: float) -> str:
         """Return why it has no index that can be used at a wavelength, empty where it has one."""
+        return self._judged(nm)[1]
+
+    def _judged(self, nm: float) -> tuple[float, str]:
+        """Return what it gives at a wavelength, and why that cannot be used, empty where it can."""
         if self.domain is not None and not self.domain[0] <= nm <= self.domain[1]:
-            return "it has none there"
-        index = self.at(nm)
+            return math.nan, "it has none there"
+        index = self._given(nm)
         if LEAST_INDEX <= index <= MOST_INDEX:
-            return ""
-        return "it gives none there" if math.isnan(index) else f"it gives {index:.6g} there"
+            return index, ""
+        return index, "it gives none there" if math.isnan(index) else f"it gives {index:.6g} there"
+
+    def _given(self, nm: float) -> float:
+        """Return what it gives at a wavelength in nanometres, NaN where nothing."""
+        raise NotImplementedError
 
     def __str__(self) -> str:
         return self.kind
@@ -145,8 +174,7 @@ class Sellmeier(Dispersion):
         terms = zip(self.B, self.C_um2, strict=True)
         return tuple(1000.0 * math.sqrt(c) for b, c in terms if b != 0.0 and c > 0.0)
 
-    def at(self, nm: float) -> float:
-        """Return the index at a wavelength in nanometres; NaN where there is none."""
+    def _given(self, nm: float) -> float:
         um = nm / 1000.0
         square, total = um * um, 1.0
         for b, c in zip(self.B, self.C_um2, strict=True):
@@ -183,8 +211,7 @@ class Cauchy(Dispersion):
         default=ABSENT, metadata=_known_range()
     )
 
-    def at(self, nm: float) -> float:
-        """Return the index at a wavelength in nanometres."""
+    def _given(self, nm: float) -> float:
         um = nm / 1000.0
         square = um * um
         return self.A + (self.B_um2 + self.C_um4 / square) / square
@@ -243,8 +270,7 @@ class Polynomial(Dispersion):
         expected = f"{len(c)} integers, one for each coefficient"
         return [Problem("powers", f"{len(p)} of them", expected)]
 
-    def at(self, nm: float) -> float:
-        """Return the index at a wavelength in nanometres; NaN where there is none."""
+    def _given(self, nm: float) -> float:
         um = nm / 1000.0
         total = 0.0
         for c, p in zip(self.coefficients, self.powers, strict=True):
@@ -293,8 +319,7 @@ class IndexTable(Dispersion):
         """First and last wavelength in nanometres."""
         return self.wavelength_nm[0], self.wavelength_nm[-1]
 
-    def at(self, nm: float) -> float:
-        """Return the index at a wavelength in nanometres."""
+    def _given(self, nm: float) -> float:
         return interpolated(self.wavelength_nm, self.index, nm)
 
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import ArgumentError, Problem, show
-from photizon_cl.scene.curves import AbsorptionCurve, NumberOrCurve, at_wavelength
+from photizon_cl.scene.curves import AbsorptionCurve, NumberOrCurve, at_wavelength, wavelength
 from photizon_cl.scene.described import REQUIRED, Described, parameters_of
 from photizon_cl.scene.exponential import exponential, fused
 from photizon_cl.scene.media.catalogue import glass_name, known_glass
@@ -119,23 +119,40 @@ class Medium(Described):
 
         Raises
         ------
-        ValueError
-            Where it depends on wavelength and none is given.
+        ArgumentError
+            Where what is given is no wavelength, where the index depends on it and none is given,
+            and where there is no index at it, as outside of a table or the range of a formula.
         """
         if self.index is not None:
+            if nm is not None:
+                wavelength(nm, self._called)
             return self.index
         if self.dispersion is None or nm is None:
-            raise ValueError(f"the index of {self.name!r} depends on wavelength, and none is given")
-        return self.dispersion.at(nm)
+            raise ArgumentError(
+                f"{self._called}: found no wavelength, expected one, as its index depends on "
+                "wavelength: nm, in nanometres"
+            )
+        return self.dispersion.index_for(nm, self._called)
+
+    @property
+    def _called(self) -> str:
+        return f'medium "{self.name}"'
 
     def absorption_at(self, nm: float | None) -> float:
         """Return the absorption coefficient at a wavelength in nanometres, in 1/m.
 
         Raises
         ------
-        ValueError
-            Where it depends on wavelength and none is given.
+        ArgumentError
+            Where what is given is no wavelength, or it depends on it and none is given.
         """
+        if nm is not None:
+            nm = wavelength(nm, self._called)
+        elif isinstance(self.absorption_per_m, AbsorptionCurve):
+            raise ArgumentError(
+                f"{self._called}: found no wavelength, expected one, as its absorption depends on "
+                "it: nm, in nanometres"
+            )
         return float(at_wavelength(self.absorption_per_m, nm))
 
     @property
@@ -171,21 +188,16 @@ class Medium(Described):
         Raises
         ------
         ArgumentError
-            Where the length is negative, or no number; where the absorption depends on wavelength,
-            and none is given.
+            Where the length is negative, or no number; where `nm` is no wavelength, or the
+            absorption depends on it and none is given.
         """
         given: object = length
         if isinstance(given, bool) or not isinstance(given, Real) or not float(given) >= 0.0:
             raise ArgumentError(
-                f'medium "{self.name}": a way is {show(length)} long, expected a length in metres '
-                "that is not negative; it may be infinite"
+                f"{self._called}: a way is {show(length)} long, expected a length in metres that "
+                "is not negative; it may be infinite"
             )
         length = float(length)
-        if nm is None and isinstance(self.absorption_per_m, AbsorptionCurve):
-            raise ArgumentError(
-                f'medium "{self.name}": found no wavelength, expected one, as its absorption '
-                "depends on it: nm, in nanometres"
-            )
         alpha = self.absorption_at(nm)
         if not alpha:
             return 1.0
