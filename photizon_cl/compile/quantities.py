@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from photizon_cl.compile.layout import DetectorCells, LedgerRow, TallyLayout
     from photizon_cl.scene.model import Scene
 
-__all__ = ["quantity_of", "scalars", "watched"]
+__all__ = ["BY_LINE", "quantity_of", "scalars", "watched"]
 
 _ROWS: Final = {
     "escaped": "escaped",
@@ -34,7 +34,8 @@ _ROWS: Final = {
     "boosted": "roulette.boosted",
 }
 """Quantities of the rows that every ledger has; others go by their own names."""
-_BY_LINE: Final = "by_wavelength"
+BY_LINE: Final = "by_wavelength"
+"""What each line or band of the spectrum brings to a quantity: ``….by_wavelength[i]``."""
 _FORM: Final = (
     "a quantity such as detectors.NAME.power, detectors.NAME.ladder[2], detectors.NAME.map, "
     "far_field, ledger.escaped or ledger.absorbed.NAME"
@@ -48,17 +49,17 @@ def scalars(scene: Scene, layout: TallyLayout) -> Iterator[Quantity]:
     for name, cell in names.items():
         yield Quantity(name, cell)
         for k in range(layout.parts if scene.spectrum else 0):
-            yield Quantity(f"{name}.{_BY_LINE}[{k}]", layout.part(cell, k))
+            yield Quantity(f"{name}.{BY_LINE}[{k}]", layout.part(cell, k))
     for d in layout.detectors:
         name = f"detectors.{quoted(scene.element[d.element].name)}"
         yield Quantity(f"{name}.power", d.power)
         for k in range(d.wavelengths):
-            yield Quantity(f"{name}.power.{_BY_LINE}[{k}]", d.by_wavelength("power", k))
+            yield Quantity(f"{name}.power.{BY_LINE}[{k}]", d.by_wavelength("power", k))
         for g in range(d.n_generations):
             yield Quantity(f"{name}.ladder[{g}]", d.ladder + g)
             for k in range(d.wavelengths):
                 cell = d.by_wavelength("ladder", k) + g
-                yield Quantity(f"{name}.ladder[{g}].{_BY_LINE}[{k}]", cell)
+                yield Quantity(f"{name}.ladder[{g}].{BY_LINE}[{k}]", cell)
 
 
 def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
@@ -87,7 +88,7 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
     if any(isinstance(part, int) for part in parts[:3]):  # objects have names here
         parts = []
     line = None
-    if len(parts) > 2 and parts[-2] == _BY_LINE and isinstance(parts[-1], int):
+    if len(parts) > 2 and parts[-2] == BY_LINE and isinstance(parts[-1], int):
         line, parts = parts[-1], parts[:-2]
     if parts == ["far_field"] and line is None:
         if not layout.n_mu:
@@ -164,7 +165,7 @@ def _part(
     if scene.spectrum is None:
         raise ArgumentError(f"{name}: found no [spectrum] in the scene, expected one")
     _check_line(name, line, layout.parts)
-    return Quantity(f"{row.name}.{_BY_LINE}[{line}]", layout.part(row.first, line))
+    return Quantity(f"{row.name}.{BY_LINE}[{line}]", layout.part(row.first, line))
 
 
 def _check_line(name: str, line: int, lines: int) -> None:
@@ -187,7 +188,7 @@ def _of_detector(
                 "wavelengths = true does so"
             )
         _check_line(name, line, d.wavelengths)
-        by = f".{_BY_LINE}[{line}]"
+        by = f".{BY_LINE}[{line}]"
 
     def first(tally: str, cell: int) -> int:
         return cell if line is None else d.by_wavelength(tally, line)

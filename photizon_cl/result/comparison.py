@@ -10,23 +10,25 @@ difference is known by. Of other runs the errors are taken as independent and ad
 from __future__ import annotations
 
 import math
+import re
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.compile.quantities import scalars
+from photizon_cl.compile.quantities import BY_LINE, scalars
 from photizon_cl.errors import ArgumentError
 from photizon_cl.result.ledger import Estimate
 from photizon_cl.scene.names import unknown_name
 from photizon_cl.scene.parameter_paths import path_parts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Container, Iterable, Iterator
 
     import numpy as np
     from numpy.typing import NDArray
 
     from photizon_cl.result.estimates import Estimates
+    from photizon_cl.scene.model import Scene
 
     _Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -40,6 +42,8 @@ __all__ = [
 ]
 
 COMPARISON_SCHEMA: Final = "photizon-comparison/1"
+_OF_LINE: Final = re.compile(rf"(.*\.{BY_LINE})\[(\d+)\]", re.DOTALL)
+"""A quantity of one line or band; names with such an end in them stand in quotes."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +53,7 @@ class Difference:
     Parameters
     ----------
     name : str
-        The quantity's.
+        The quantity's; of a line or band whose number differs between the two, that in the first.
     a, b : Estimate
         What each run says in watts, of the batches that were compared: all, or where they are
         paired and one run has more, those that both have.
@@ -101,7 +105,8 @@ class Comparison:
     rows : tuple of Difference
         In the order of the first run.
     only_a, only_b : tuple of str
-        Quantities that one run alone has.
+        Quantities that one run alone has, by its own names: what a line or band of the spectrum
+        brings is the same quantity only at the same wavelength, or between the same edges.
     batches : int
         Batches that were held against each other; 0 where none were.
     why : str
@@ -154,31 +159,56 @@ def compared(a: Estimates, b: Estimates) -> Comparison:
         At least one batch each.
     """
     of_a, of_b = ({q.name: q for q in scalars(r.scene, r.compiled.layout)} for r in (a, b))
+    partner = _partners(a.scene, b.scene, of_a, of_b)
     common, why = _pairs(a, b)
+    if a.scene.spectrum and b.scene.spectrum and a.scene.spectrum != b.scene.spectrum:
+        why += "; their spectra differ: lines and bands are matched by wavelength, not by number"
     rows = []
-    for name in of_a:
-        if name not in of_b:
-            continue
+    for name, other in partner.items():
         both = None
         if common:
             x = a.tally.batch_values.of(of_a[name].first)
-            y = b.tally.batch_values.of(of_b[name].first)
+            y = b.tally.batch_values.of(of_b[other].first)
             if x is not None and y is not None:
                 both = (
                     x[:common] * a.compiled.unit_power,
                     y[:common] * b.compiled.unit_power,
                 )
         first = _of(a.quantity(name), a.batches, both, 0)
-        rows.append(difference_of(name, first, _of(b.quantity(name), b.batches, both, 1), both))
+        rows.append(difference_of(name, first, _of(b.quantity(other), b.batches, both, 1), both))
+    matched = set(partner.values())
     return Comparison(
         a.scene.name,
         b.scene.name,
         tuple(rows),
-        tuple(name for name in of_a if name not in of_b),
-        tuple(name for name in of_b if name not in of_a),
+        tuple(name for name in of_a if name not in partner),
+        tuple(name for name in of_b if name not in matched),
         common,
         why,
     )
+
+
+def _partners(
+    a: Scene, b: Scene, of_a: Iterable[str], of_b: Container[str]
+) -> dict[str, str]:
+    """Return which quantity of the second scene is which of the first, by name.
+
+    What a line or band brings is that of the same wavelength or edges, whatever its number.
+    """
+    lines: dict[int, int] | None = None
+    if a.spectrum is not None and b.spectrum is not None and a.spectrum != b.spectrum:
+        there = {line: number for number, line in enumerate(b.spectrum.lines_nm)}
+        lines = {n: there[line] for n, line in enumerate(a.spectrum.lines_nm) if line in there}
+    found = {}
+    for name in of_a:
+        other: str | None = name
+        of_line = _OF_LINE.fullmatch(name)
+        if lines is not None and of_line is not None:
+            number = lines.get(int(of_line[2]))
+            other = None if number is None else f"{of_line[1]}[{number}]"
+        if other is not None and other in of_b:
+            found[name] = other
+    return found
 
 
 def _pairs(a: Estimates, b: Estimates) -> tuple[int, str]:

@@ -126,6 +126,13 @@ class Spectrum(Described):
         return self.wavelengths_nm or ()
 
     @property
+    def lines_nm(self) -> tuple[tuple[float, ...], ...]:
+        """What tells each from others: the wavelength of a line, both edges of a band."""
+        if self.edges_nm is not None:
+            return tuple(pairwise(self.edges_nm))
+        return tuple((nm,) for nm in self.middles_nm)
+
+    @property
     def ends_nm(self) -> tuple[float, float]:
         """The shortest and the longest wavelength in nanometres that there may be."""
         all_of_it = self.edges_nm or self.middles_nm

@@ -214,5 +214,5 @@ def test_a_quarter_wave_on_glass_in_closed_form():
         coating.powers(95.0, 1.5, nm=550.0)
     with pytest.raises(pz.ArgumentError, match="index: found"):
         coating.powers(5.0, 0.0, nm=550.0)
-    with pytest.raises(pz.ArgumentError, match="nm: found 0"):
+    with pytest.raises(pz.ArgumentError, match="nm: found the wavelength 0"):
         coating.powers(5.0, 1.5, nm=0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -12,6 +11,7 @@ import numpy as np
 
 from photizon_cl.errors import ArgumentError, Problem, show
 from photizon_cl.scene.coatings.base import Coating, meeting
+from photizon_cl.scene.curves import wavelength
 from photizon_cl.scene.described import REQUIRED, Accepts, Described
 from photizon_cl.scene.parameters import BAD, Parameter, declare, number, refractive_index
 from photizon_cl.scene.rows import Row
@@ -260,7 +260,7 @@ class StackCoating(Coating):
 
 def _given(nm: float | None) -> float:
     if nm is None:
-        raise ValueError("what a stack does depends on wavelength, and none is given")
-    if not 0.0 < nm < math.inf:
-        raise ArgumentError(f"nm: found {show(nm)}, expected a wavelength in nanometres, above 0")
-    return float(nm)
+        raise ArgumentError(
+            "nm: found no wavelength, expected one in nanometres, as what a stack does depends on it"
+        )
+    return wavelength(nm, "nm")
