@@ -28,13 +28,16 @@ if TYPE_CHECKING:
     Numbers = Callable[[float | None], Sequence[float]]
     """What some numbers are at a wavelength in nanometres; at None where there is none."""
 
-__all__ = ["BOUND", "DEGREE", "MOST_PIECES", "Grid", "Indices", "numbers_of"]
+__all__ = ["BOUND", "DEGREE", "MOST_NODES", "MOST_PIECES", "Grid", "Indices", "numbers_of"]
 
 DEGREE: Final = 5
 """Of the polynomials in a piece of a band."""
 BOUND: Final = 2.0**-43
 """How far a polynomial may be from what it stands for, over the larger of that and 1."""
 MOST_PIECES: Final = 8192
+"""Pieces that formulas may ask for, beside those that end where tables have a node."""
+MOST_NODES: Final = 32768
+"""Edges of bands and nodes of tables within them: three of the longest tables at least."""
 _NODES: Final = (
     0.0, 0.0954915028125263, 0.3454915028125263, 0.6545084971874737, 0.9045084971874737, 1.0
 )  # fmt: skip
@@ -74,7 +77,8 @@ class Grid:
         Raises
         ------
         ArgumentError
-            Where something depends on wavelength so strongly that too many pieces would be needed.
+            Where something depends on wavelength so strongly that too many pieces would be needed,
+            or tables have too many nodes.
         """
         if not by_line:
             return cls((scene.reference_nm,))
@@ -83,13 +87,16 @@ class Grid:
             return cls(scene.wavelengths)
         bands, numbers = spectrum.edges_nm, _varying(scene)
         nodes = sorted({nm for nm in _nodes(scene) if bands[0] < nm < bands[-1]} | set(bands))
-        edges, first = [nodes[0]], []
+        if len(nodes) > MOST_NODES:
+            raise _too_many(scene, len(nodes))
+        edges, first, halved, begins = [nodes[0]], [], 0, set(bands)
         for a, b in pairwise(nodes):
-            if a in bands:
+            if a in begins:
                 first.append(len(edges) - 1)
             for end in _pieces(numbers, a, b):
                 edges.append(end)
-                if len(edges) > MOST_PIECES:
+                halved += end < b
+                if halved >= MOST_PIECES:
                     raise ArgumentError(
                         f"spectrum: between {a:.9g} and {b:.9g} nm something changes so fast with "
                         f"wavelength that more than {MOST_PIECES} pieces would be needed: leave "
@@ -184,9 +191,25 @@ def numbers_of(
 
 def _nodes(scene: Scene) -> Iterator[float]:
     """Give the wavelengths at which tables bend."""
+    for _, nodes in _tables(scene):
+        yield from nodes
+
+
+def _tables(scene: Scene) -> Iterator[tuple[str, Sequence[float]]]:
+    """Give what each table over wavelength is called, and its nodes."""
     for thing in (*scene.medium, *scene.element):
-        for _, table in curves_of(thing):
-            yield from getattr(table, "wavelength_nm", ())
+        for path, table in curves_of(thing):
+            yield f'{thing.label} "{thing.name}": {path}', getattr(table, "wavelength_nm", ())
+
+
+def _too_many(scene: Scene, n: int) -> ArgumentError:
+    """Return the refusal of tables that have too many nodes together, with the longest one."""
+    name, nodes = max(_tables(scene), key=lambda table: len(table[1]))
+    return ArgumentError(
+        f"spectrum: bands are cut at every node of a table, and their edges and those nodes come to "
+        f"{n}, more than {MOST_NODES}: give tables fewer nodes, or the same ones, or give lines "
+        f"(the longest one, of {name}, has {len(nodes)})"
+    )
 
 
 def _pieces(numbers: list[Numbers], a: float, b: float) -> Iterator[float]:

@@ -182,6 +182,41 @@ def test_too_steep_an_index_is_refused():
                 compiled(scene)
 
 
+def long_tables(n: int, tables: int) -> pz.Scene:
+    """Walls whose reflectances are tables of n nodes, none of them at another one's."""
+    step = 300.0 / n
+    walls = [
+        {**wall((0, 0, float(k)), "-z", 1.0), "surface": {"kind": "mirror", "reflectance": {
+            "wavelength_nm": [400.0 + step * (i + k / tables) for i in range(n)],
+            "value": [(0.25, 0.75)[i % 2] for i in range(n)],
+        }}}
+        for k in range(tables)
+    ]  # fmt: skip
+    return scene_of(
+        [beam((0, 0, -0.5), "+z", 1e-9)], walls, spectrum={"edges_nm": [400.0, 550.0, 700.0]}
+    )
+
+
+def test_the_longest_table_there_may_be_is_cut_at_each_of_its_nodes():
+    scene = long_tables(10_000, 1)
+    grid = Grid.of(scene)
+    assert grid.n == 10_000
+    assert grid.first == (0, 5000, 10_000)
+    table = scene.element[0].surface.reflectance
+    rows = list(grid.rows(lambda nm: (table.at(nm),)))
+    assert [rows[6 * k][0] for k in range(10_000)] == list(table.value)
+
+
+def test_too_many_nodes_are_refused_as_such():
+    with pytest.raises(pz.ArgumentError) as caught:
+        Grid.of(long_tables(10_000, 4))
+    text = str(caught.value)
+    assert "more than 32768" in text
+    assert 'element "element 0": surface.reflectance, has 10000' in text
+    assert "resonance" not in text
+    assert len(text.splitlines()) == 1
+
+
 def test_what_comes_out_has_the_edges(tmp_path):
     scene = spectra.tables_scene().replace(
         {"spectrum.edges_nm": [400.0, 450.0, 500.0, 550.0, 660.0]}
