@@ -1,25 +1,22 @@
 ## counts (polarised_sources: whether any source's light is; POLARISED_ …: places in its row), real
-// Polarisation: a ray carries the Stokes parameters of its light over its power, Q/I, U/I and V/I; its weight
-// is I.  (Born & Wolf, Principles of Optics, 7th ed., 1.4.2 and 1.5.2, with exp(-i omega t).)
+// Polarisation: beside its weight, which is I, a ray carries Q/I, U/I and V/I of its light.
+// (M. Born and E. Wolf, Principles of Optics, 7th ed., 1.5.2, 1.5.4 and 10.9.3, with exp(-i omega t).)
 //
 // They are those in the basis e1, e2 that about_normal (vectors.mako) builds across the ray's direction:
-// Q = |E1|^2 - |E2|^2, U = 2 Re(E1 E2*), V = 2 Im(E1 E2*), which is above 0 where the field turns clockwise for
-// who receives the light.  So no reference is carried that could drift, and none is needed where there is no plane
-// of incidence.
+// Q = <|E1|^2 - |E2|^2>, U + iV = 2 <E1 E2*>; V is above 0 where the field turns clockwise for who receives the light.
+// The basis is a function of the direction, so no reference is carried that could drift.
 //
-// At a face E is taken apart along s, the unit vector along d x n, and p = d x s; behind it p' = d' x s, with the
-// same s, whose rounding therefore turns nothing.  Where sin(theta) is less than the unit roundoff there is no d x n
-// to speak of, what a face does differs by sin^2(theta) between all planes, and s is e1.  Angles enter as cos 2 phi and
-// sin 2 phi of the components of s, by products alone.
+// A face takes E apart along s, the unit vector along d x n, and p = d x s, and puts it together along the same s
+// and p' = d' x s: what s is rounded by turns nothing.  Where sin(theta) is less than the unit roundoff there is no
+// d x n to speak of; faces act there as if in any plane, to sin^2(theta), and s is e1.  Turns of a basis
+// by phi are made of cos 2 phi and sin 2 phi, by products of the components of s.
 //
-// A surface sends E on by amplitudes a_s and a_p, of which these products matter (amplitudes_t): a part
-// S |a_s|^2 + P |a_p|^2 of the power goes on, with S + P = 1 what of it is polarised along either, and
-// U + iV is multiplied by a_s a_p*.  Only the part that a surface says itself is weight: what is left of
-// Stokes parameters has a common factor taken out.
-// A difference of S, P from those of the light is rounding of 1: what a polariser takes it takes to 10^-16.
+// What a surface does is a pair of amplitudes a_s and a_p.  Of the light's power the parts S and P, S + P = 1, are
+// along s and p; S |a_s|^2 + P |a_p|^2 of it go on, and U + iV behind is a_s a_p* times that before.
+// How much weight goes on the surface says itself; of amplitudes that are given to polarise() a common factor is of no
+// matter.  S and P are right to the rounding of 1: so is what a polariser takes out, beside what came.
 //
-// reads: packet, contact, what surfaces say, sources.  gives: what behind the face the outcome holds.
-
+// reads: packet, contact, amplitudes of surfaces, the sources' light.  gives: the light of an outcome's rays.
 % for name, place in counts.items():
 % if name.startswith("POLARISED_"):
 #define ${name} ${place}
@@ -29,7 +26,7 @@
 // Light that meets a face: s; the parts of its power along s and p; U and V with respect to them.
 typedef struct { real sx, sy, sz, along_s, along_p, u, v; } incident_t;
 
-// |a_s|^2, |a_p|^2 and a_s a_p* of a pair of amplitudes; polarise() asks for them up to one common factor.
+// |a_s|^2, |a_p|^2 and a_s a_p* of a pair of amplitudes.
 typedef struct { real ss, pp, re, im; } amplitudes_t;
 
 FN amplitudes_t real_amplitudes(real s, real p) {
