@@ -154,7 +154,7 @@ def _coating(scene: Scene, surface: Surface) -> Iterator[str]:
         r, t = coating.powers(0.0, *bare.indices, nm=nm)
         at = "" if nm is None else f" at {nm:.9g} nm"
         told.append(f"{float(r):.6g} and {float(t):.6g}{at}")
-    yield f"reflectance and transmittance at normal incidence {', '.join(told)}"
+    yield f"reflectance and transmittance at normal incidence from outside {', '.join(told)}"
 
 
 def _some(scene: Scene) -> list[float]:

@@ -25,6 +25,8 @@ from oracles.polarised import (
 from oracles.scenes import BLACK
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 X, Y, Z = np.eye(3)
@@ -83,6 +85,37 @@ def plate_by_its_parts(angle: float = 60.0) -> None:
         ({"angle_deg": 30.0}, 0.75 * s + 0.25 * p),
     ):
         assert abs(arriving(pile(1, 1.52, angle, told, **ON)) - wanted) < CLOSE, told
+
+
+def of_two_sources(light: dict[str, Any], spectra: Sequence[Sequence[float]]) -> pz.Scene:
+    """Return two beams, one polarised along s and one along p, that pass one face at 60°."""
+    told = {"kind": "collimated-disk", "position": [0, 0, -5], "axis": "+z", "radius": 1e-9}
+    lamps: list[dict[str, Any]] = [
+        {**told, "flux": flux, "spectrum": list(spectrum), "polarisation": {"angle_deg": angle}}
+        for flux, spectrum, angle in zip((1.0, 2.0), spectra, (0.0, 90.0), strict=True)
+    ]
+    size = {"kind": "rectangle", "half_width": 4.0, "half_height": 4.0}
+    face = {"axis": "+z", "tilt_deg": [-60.0, 0.0], "position": [0, 0, 0], **size}
+    end = {"name": "end", "position": [0, 0, 5], "axis": "-z", **size, **BLACK}
+    faces = [{**face, "surface": glass(1.0, 1.5)}, {**end, "detector": {"wavelengths": True}}]
+    return scene_of(lamps, faces, run={"rays_per_batch": 64, **ON}, spectrum=light)
+
+
+def two_sources(light: dict[str, Any]) -> None:
+    """Every line or band of a source has the light of that source."""
+    lines = ([1.0, 0.0, 2.0], [1.0, 2.0, 1.0])
+    spectra = ([1.0, 3.0], [1.0, 1.0]) if "edges_nm" in light else lines
+    found = pz.trace(of_two_sources(light, spectra), batches=1)
+    told = found.detectors["end"].power.by_wavelength
+    passed = [1.0 - r for r in reflectances(60.0, 1.5)]
+    for k, line in enumerate(told):
+        parts = (spectrum[k] / sum(spectrum) for spectrum in spectra)
+        wanted = sum(
+            flux * part * t for flux, part, t in zip((1.0, 2.0), parts, passed, strict=True)
+        )
+        assert abs(line.value - wanted) < CLOSE, k
+    again = pz.trace(found.scene, batches=1)
+    assert again.tally_digest == found.tally_digest
 
 
 # -- reflections -----------------------------------------------------------------------------------

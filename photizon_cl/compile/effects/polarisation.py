@@ -90,7 +90,8 @@ class Polarisation(Effect):
         """Put what the sources' light is behind the geometry."""
         assert draft.geometry is not None
         rows = []
-        for source in draft.scene.source:
+        for beam in draft.beams:  # as the rows of the source table are
+            source = draft.scene.source[beam.source]
             q, u = _NONE if source.polarisation is None else source.polarisation.stokes
             (ux, uy, uz), _, (wx, wy, wz) = source.frame
             values = {

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from dataclasses import dataclass
+from numbers import Real
 from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple, Self
 
 import numpy as np
@@ -59,6 +61,8 @@ class Coating(Described):
     """Kernel templates that its file needs before it, once a program."""
     row: ClassVar[Row] = NO_ROW
     """Columns in its surface's row of the material table, behind the surface's own."""
+    polarises: ClassVar[bool] = False
+    """Whether it does another thing to light along s than to light along p."""
     reads: ClassVar[Row] = NO_ROW
     """Numbers of each of its nodes, of one that has some."""
 
@@ -146,12 +150,15 @@ class Coating(Described):
 
 def meeting(angle_deg: ArrayLike, index: float, index_outside: float, *, inside: bool) -> Meeting:
     """Return how rays meet a face, see `Coating.powers`."""
-    angle = np.asarray(angle_deg, np.float64)
+    try:
+        angle = np.asarray(angle_deg, np.float64)
+    except (TypeError, ValueError):
+        angle = np.array(np.nan)
     if not ((angle >= 0.0) & (angle <= 90.0)).all():
         raise ArgumentError(
-            f"angle_deg: found {show(angle.tolist())}, expected angles in degrees, from 0 to 90"
+            f"angle_deg: found {show(angle_deg)}, expected angles in degrees, from 0 to 90"
         )
-    if not (index > 0.0 and index_outside > 0.0):
+    if not (_is_index(index) and _is_index(index_outside)):
         found = show([index, index_outside])
         raise ArgumentError(f"index: found {found}, expected refractive indices, above 0")
     before, behind = (index, index_outside) if inside else (index_outside, index)
@@ -162,6 +169,10 @@ def meeting(angle_deg: ArrayLike, index: float, index_outside: float, *, inside:
     straight = (behind - before) * (behind + before) / (behind * behind) + (ratio * cosine) ** 2
     square = np.where(ratio > 1.4, 1.0 - (ratio * sine) ** 2, straight)
     return Meeting(sine, cosine, square, before, behind, inside)
+
+
+def _is_index(value: object) -> bool:
+    return isinstance(value, Real) and 0.0 < value < math.inf
 
 
 def whole(reflectance: float, transmittance: float) -> bool:

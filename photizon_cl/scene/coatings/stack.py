@@ -119,7 +119,8 @@ class StackCoating(Coating):
     """Thin films on one another, each with an index, an extinction and a thickness.
 
     Reflectance and transmittance are those of plane waves that interfere in the films, by the
-    characteristic matrices of the layers, for unpolarised light: the means of s and p. They depend
+    characteristic matrices of the layers: of unpolarised light the means of s and p, and where the
+    run carries polarisation both amplitudes of the ray's own. They depend
     on wavelength, so that the scene needs ``[spectrum]``. What the layers absorb is absorbed by the
     element; a stack without extinction absorbs exactly nothing. Beyond the critical angle T is 0,
     and all that the layers leave is reflected.
@@ -138,6 +139,7 @@ class StackCoating(Coating):
     kind: ClassVar[str] = "stack"
     kernel: ClassVar[str] = "stack"
     does: ClassVar[str] = "interference in thin films"
+    polarises: ClassVar[bool] = True
     costs: ClassVar[str] = (
         "for each layer a complex root, a sine, a cosine and four complex products an interaction, "
         "and an exponential where a wave decays"

@@ -75,7 +75,6 @@ class Fresnel(Surface):
     transmits: ClassVar[bool] = True
     refracts: ClassVar[bool] = True
     splits: ClassVar[bool] = True
-    polarises: ClassVar[bool] = True
     colour: ClassVar[str] = "#56b4e9"
     label_text: ClassVar[str] = "glass"
 
@@ -159,9 +158,7 @@ class Fresnel(Surface):
         if self.media is None:
             return self
         inside, outside = (index_of[name] for name in self.media)
-        return self.unchecked(
-            index=inside, index_outside=outside, medium=None, medium_outside=None
-        )
+        return self.unchecked(index=inside, index_outside=outside, medium=None, medium_outside=None)
 
     def at(self, nm: float | None) -> Fresnel:
         """Return it with numbers in place of tables over wavelength, which a coating may have."""
@@ -172,6 +169,11 @@ class Fresnel(Surface):
     def absorbs(self) -> bool:  # type: ignore[override]  # bare glass takes nothing
         """Whether the element takes what does not go on: what a coating absorbs."""
         return self.coating is not None
+
+    @property
+    def polarises(self) -> bool:  # type: ignore[override]  # unless its coating is alike for both
+        """Whether it does another thing to light along s than to light along p."""
+        return self.coating is None or self.coating.polarises
 
     def packed(self) -> dict[str, float]:
         """Return m = n₁/n₂ and 1 − m² from the + side, and from the − side.
