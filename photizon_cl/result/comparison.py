@@ -188,9 +188,7 @@ def compared(a: Estimates, b: Estimates) -> Comparison:
     )
 
 
-def _partners(
-    a: Scene, b: Scene, of_a: Iterable[str], of_b: Container[str]
-) -> dict[str, str]:
+def _partners(a: Scene, b: Scene, of_a: Iterable[str], of_b: Container[str]) -> dict[str, str]:
     """Return which quantity of the second scene is which of the first, by name.
 
     What a line or band brings is that of the same wavelength or edges, whatever its number.

@@ -159,9 +159,7 @@ class Fresnel(Surface):
         if self.media is None:
             return self
         inside, outside = (index_of[name] for name in self.media)
-        return self.unchecked(
-            index=inside, index_outside=outside, medium=None, medium_outside=None
-        )
+        return self.unchecked(index=inside, index_outside=outside, medium=None, medium_outside=None)
 
     def at(self, nm: float | None) -> Fresnel:
         """Return it with numbers in place of tables over wavelength, which a coating may have."""

@@ -6,7 +6,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.curves import INTERPOLATED, Curve, at_wavelength, fraction_or_curve, number_of
+from photizon_cl.scene.curves import (
+    INTERPOLATED,
+    Curve,
+    at_wavelength,
+    fraction_or_curve,
+    number_of,
+)
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces.base import Surface
 
