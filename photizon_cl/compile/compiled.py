@@ -155,7 +155,7 @@ def compile_scene(
     mode = PRECISIONS[precision]
     rays = share_rays(scene, settings.rays_per_batch)
     unit_power, exact_weights = ray_weights(scene, rays)
-    check_weights(scene, exact_weights)
+    check_weights(scene, exact_weights, settings.rays_per_batch)
     weights = [mode.weighed(weight) for weight in exact_weights]
     shift = recentre(scene)
     forced = force | _asked_for(scene, settings)

@@ -22,6 +22,8 @@ from photizon_cl.scene.spectral import curves_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
+    from photizon_cl.scene.elements import Element
+    from photizon_cl.scene.media.medium import Medium
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.surfaces import Surface
 
@@ -197,7 +199,8 @@ def _nodes(scene: Scene) -> Iterator[float]:
 
 def _tables(scene: Scene) -> Iterator[tuple[str, Sequence[float]]]:
     """Give what each table over wavelength is called, and its nodes."""
-    for thing in (*scene.medium, *scene.element):
+    things: tuple[Medium | Element, ...] = (*scene.medium, *scene.element)
+    for thing in things:
         for path, table in curves_of(thing):
             yield f'{thing.label} "{thing.name}": {path}', getattr(table, "wavelength_nm", ())
 
@@ -206,8 +209,8 @@ def _too_many(scene: Scene, n: int) -> ArgumentError:
     """Return the refusal of tables that have too many nodes together, with the longest one."""
     name, nodes = max(_tables(scene), key=lambda table: len(table[1]))
     return ArgumentError(
-        f"spectrum: bands are cut at every node of a table, and their edges and those nodes come to "
-        f"{n}, more than {MOST_NODES}: give tables fewer nodes, or the same ones, or give lines "
+        "spectrum: bands are cut at every node of a table, and their edges and those nodes come "
+        f"to {n}, more than {MOST_NODES}: give tables fewer nodes, or the same ones, or give lines "
         f"(the longest one, of {name}, has {len(nodes)})"
     )
 

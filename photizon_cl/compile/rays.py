@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.errors import ArgumentError
+from photizon_cl.scene.settings import MAX_RAYS_PER_BATCH
 
 if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
@@ -107,14 +109,49 @@ def rays_of_sources(scene: Scene, rays: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(total)
 
 
-def check_weights(scene: Scene, weights: list[float]) -> None:
-    """Refuse rays so weak beside others that the tally's unit, 2^-95, would round them."""
-    for beam, weight in zip(beams_of(scene), weights, strict=True):
-        if weight < LEAST_WEIGHT:
-            of = "" if scene.spectrum is None else f" of {scene.spectrum.word} {beam.line}"
-            raise ArgumentError(
-                f"source {scene.source[beam.source].name!r}: its rays{of} carry {weight:.3g} of "
-                "the power of the heaviest "
-                f"ones, and the tally counts in units of 2^-95 of those (at least {LEAST_WEIGHT:g} "
-                "is needed): give the sources shares that even this out, or trace them apart"
-            )
+def check_weights(scene: Scene, weights: list[float], rays_per_batch: int) -> None:
+    """Refuse rays so weak beside others that the tally's unit, 2^-95, would round them.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    weights : list of float
+        Of each beam's rays, relative to the heaviest.
+    rays_per_batch : int
+        Rays among which they were shared.
+
+    Raises
+    ------
+    ArgumentError
+        Of the first such beam, with what can be done about it.
+    """
+    beams = beams_of(scene)
+    for beam, weight in zip(beams, weights, strict=True):
+        if weight >= LEAST_WEIGHT:
+            continue
+        of, then = "", "give the sources shares that even this out, or trace them apart"
+        if scene.spectrum is not None:
+            of = f" of {scene.spectrum.names[beam.line]}"
+            strong = [w for b, w in zip(beams, weights, strict=True) if b.source == beam.source]
+            if max(strong) >= LEAST_WEIGHT:  # no share changes how its lines compare
+                then = _for_a_line(scene, beam, weight, rays_per_batch)
+        raise ArgumentError(
+            f"source {scene.source[beam.source].name!r}: its rays{of} carry {weight:.3g} of the "
+            "power of the heaviest ones, and the tally counts in units of 2^-95 of those (at least "
+            f"{LEAST_WEIGHT:g} is needed): {then}"
+        )
+
+
+def _for_a_line(scene: Scene, beam: Beam, weight: float, rays_per_batch: int) -> str:
+    """Say what helps a line that is too weak beside others of its own source."""
+    assert scene.spectrum is not None
+    word = scene.spectrum.word
+    text = f"leave that {word} out, a 0 in spectrum[{beam.line}] of the source, or trace it apart"
+    # such a line has one ray, and the more others there are the less they weigh
+    needed = 2.0 * rays_per_batch * (LEAST_WEIGHT / max(weight, LEAST_WEIGHT / MAX_RAYS_PER_BATCH))
+    if needed <= MAX_RAYS_PER_BATCH:
+        rays = math.ceil(needed)
+        if min(ray_weights(scene, share_rays(scene, rays))[1]) >= LEAST_WEIGHT:
+            text += f", or launch more rays in a batch: run.rays_per_batch = {rays} is enough"
+    return text

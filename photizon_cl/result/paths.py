@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from photizon_cl.compile.rays import beams_of, share_rays
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -42,6 +44,11 @@ class Polyline:
         How it ends: one of `ENDINGS`.
     parent : int
         Segment of `Paths` that it splits off, −1 for a launched ray.
+    line : int or None
+        Number of the line or band of the scene's spectrum that it is of; None without one.
+    wavelength_nm : float or None
+        Wavelength of its line in nanometres; None in a band, where each ray has its own, and
+        without a spectrum.
     """
 
     ray: int
@@ -51,6 +58,8 @@ class Polyline:
     element: NDArray[np.int64]
     ending: str
     parent: int
+    line: int | None = None
+    wavelength_nm: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +126,10 @@ class Paths:
 
     def __iter__(self) -> Iterator[Polyline]:
         firsts = np.flatnonzero(self.begins)
+        lines, spectrum = self.line, self.scene.spectrum
+        single = spectrum.wavelengths_nm if spectrum is not None else None
         for a, b in zip(firsts, [*firsts, len(self.ray)][1:], strict=True):
+            line = None if lines is None else int(lines[a])
             yield Polyline(
                 ray=int(self.ray[a]),
                 points=np.vstack([self.start[a:b], self.end[b - 1 : b]]),
@@ -126,7 +138,19 @@ class Paths:
                 element=self.element[a:b],
                 ending=ENDINGS[self.ending[b - 1]],
                 parent=int(self.parent[a]),
+                line=line,
+                wavelength_nm=None if line is None or single is None else single[line],
             )
+
+    @property
+    def line(self) -> NDArray[np.int64] | None:
+        """Number of the line or band of the spectrum of each segment's ray; None without one."""
+        if self.scene.spectrum is None:
+            return None
+        rays = self.scene.run.rays_per_batch
+        ends = np.cumsum(share_rays(self.scene, rays))
+        lines = np.array([beam.line for beam in beams_of(self.scene)], np.int64)
+        return lines[np.searchsorted(ends, self.ray % rays, side="right")]
 
     @property
     def power(self) -> NDArray[np.float64]:

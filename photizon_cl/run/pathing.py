@@ -15,6 +15,7 @@ from photizon_cl.checks.precision import DEFAULT, fitting_mode
 from photizon_cl.compile.compiled import MAX_RAY_NUMBER, compile_scene
 from photizon_cl.errors import ArgumentError, SceneError, show
 from photizon_cl.result.paths import Paths
+from photizon_cl.result.statistics import complete
 from photizon_cl.run.distribution import device_failures, open_chosen
 from photizon_cl.run.picking import Wanted
 from photizon_cl.scene.files import load
@@ -161,7 +162,8 @@ def _finish(compiled: CompiledScene, raw: RawPaths, escape_length: float) -> Pat
     away = (element < 0) & (face < 0)  # it escapes, or is absorbed on its way out
     end[away] = raw.reals[away, 0:3] + escape_length * end[away]
     layout = compiled.layout
-    watts = values(whole_of(raw.cells, 0, layout.n_rows)) * compiled.unit_power
+    cells = complete(layout, raw.cells)
+    watts = values(whole_of(cells, 0, layout.n_rows)) * compiled.unit_power
     names = [f"absorbed by {element.name}" for element in compiled.scene.element]
     ledger = dict(zip(names, watts[: len(names)].tolist(), strict=True))
     titles = [row.title for row in layout.rows]

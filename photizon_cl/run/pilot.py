@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import time
 from fractions import Fraction
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from hostcode.errors import Abandoned, HostError
 from hostcode.run.tally import exact, whole_of
@@ -19,12 +18,13 @@ from photizon_cl.compile.rays import (
     LEAST_WEIGHT,
     beams_of,
     ray_weights,
-    rays_of_sources,
     share_rays,
 )
 from photizon_cl.errors import PhotizonError
 from photizon_cl.result.pilot import NEGLIGIBLE, Pilot
+from photizon_cl.result.statistics import complete
 from photizon_cl.run.distribution import device_failures, open_chosen
+from photizon_cl.scene.parameters import LARGEST
 from photizon_cl.scene.settings import MAX_GENERATION_CAP
 
 if TYPE_CHECKING:
@@ -53,6 +53,10 @@ _SECONDS: Final = 1.0
 """Time at which a device that is far slower gives up all the same."""
 _ENOUGH: Final = 1.0 + 2.0**-40
 """Times the least weight that a ray is raised to, which rounding does not take below it."""
+_RAISED: Final = 8
+"""Times that weak rays are made stronger."""
+_FAINTEST: Final = 1e-290
+"""Weight that one such time goes by at least, where it may be nothing in a double."""
 _STEPS: Final = 128
 """Steps of a packet between two looks at the budget."""
 
@@ -174,29 +178,50 @@ def pilot_of_capped(
 def _compiled(scene: Scene, settings: RunSettings, precision: str) -> CompiledScene:
     """Compile a scene for a pilot's few rays.
 
-    Where a source has one ray of a few hundred and one of the run's many, that ray may be too weak
-    for the tally beside the others' heavier ones. It is then made as strong as need be: all of the
-    source is some 10^-12 of the power all the same.
+    Where a source, or one of its lines, has one ray of a few hundred and one of the run's many,
+    that ray may be too weak for the tally beside the others' heavier ones. It is then made as
+    strong as need be: all of the source, or line, is some 10^-12 of the power all the same.
     """
-    rays = share_rays(scene, settings.rays_per_batch)
-    _, of_beams = ray_weights(scene, rays)
-    rays = rays_of_sources(scene, rays)
-    weights = [math.inf] * len(rays)
-    for beam, weight in zip(beams_of(scene), of_beams, strict=True):
-        weights[beam.source] = min(weights[beam.source], weight)
-    least = _ENOUGH * LEAST_WEIGHT
-    if min(weights) < least:
-        # shares are what they were, whatever the flux is now
-        sources = tuple(
-            dataclasses.replace(
-                source,
-                flux=source.flux if weight >= least else source.flux * (least / weight),
-                share=source.flux if source.share is None else source.share,
-            )
-            for source, weight, n in zip(scene.source, weights, rays, strict=True)
-        )
-        scene = dataclasses.replace(scene, source=sources)
+    for _ in range(_RAISED):  # once, but for what it changes of how rays are shared
+        _, weights = ray_weights(scene, share_rays(scene, settings.rays_per_batch))
+        if min(weights) >= LEAST_WEIGHT:
+            break
+        scene = _raised(scene, weights)
     return compile_scene(scene, settings, precision=precision)
+
+
+def _raised(scene: Scene, weights: list[float]) -> Scene:
+    """Return a scene with as much power in its weakest beams as the tally can hold.
+
+    Parameters
+    ----------
+    scene : Scene
+        Any.
+    weights : list of float
+        Of each beam's rays.
+    """
+    enough = _ENOUGH * LEAST_WEIGHT
+    factors: list[list[float]] = [[] for _ in scene.source]
+    for beam, weight in zip(beams_of(scene), weights, strict=True):
+        factors[beam.source].append(max(enough / max(weight, _FAINTEST), 1.0))
+    # shares are what they were, whatever the flux is now
+    sources = []
+    for source, by in zip(scene.source, factors, strict=True):
+        changes: dict[str, Any] = {"share": source.flux if source.share is None else source.share}
+        if max(by) > 1.0 and scene.spectrum is None:
+            changes["flux"] = source.flux * by[0]
+        elif max(by) > 1.0:
+            powers, least = list(source.spectrum or (1.0,) * len(scene.wavelengths)), min(by)
+            before = sum(map(Fraction, powers))
+            lit = (k for k, power in enumerate(powers) if power)
+            for k, factor in zip(lit, by, strict=True):
+                # what all are raised by is the flux's
+                powers[k] = min(powers[k] * (factor / least), LARGEST)
+            changes["spectrum"] = powers
+            more = sum(map(Fraction, powers)) / before * Fraction(least)
+            changes["flux"] = float(Fraction(source.flux) * more)
+        sources.append(dataclasses.replace(source, **changes))
+    return dataclasses.replace(scene, source=tuple(sources))
 
 
 class _Flight:
@@ -251,9 +276,9 @@ class _Flight:
             finally:
                 self.made = engine.statistics.interactions
                 self.room -= self.made
-        self.cells = batch.cells
+        self.cells = complete(layout, batch.cells)
         rows = (layout.depth_capped, layout.escaped)
-        powers = [exact(whole_of(batch.cells, row, 1))[0] for row in rows]
+        powers = [exact(whole_of(self.cells, row, 1))[0] for row in rows]
         under_way, escaped = (float(Fraction(n, self.compiled.emitted)) for n in powers)
         return under_way, escaped
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -77,6 +78,49 @@ def test_what_is_raised_changes_no_share():
         assert made.scene.source[1].flux <= 1e-13
         assert made.scene.source[0].flux == sources[0].flux
         assert shares[1] < 1e-11
+
+
+def by_lines(*powers, **run):
+    """Return a scene of lines, and the power of each in its source."""
+    settings = pz.RunSettings(**{"rays_per_batch": 256, "generation_cap": 3, **run})
+    return pz.Scene(
+        name="p", source=(lamp("a", spectrum=powers),), element=(BALL,), run=settings,
+        spectrum=pz.Spectrum([500.0 + k for k in range(len(powers))]),
+    )  # fmt: skip
+
+
+def test_a_line_too_weak_for_few_rays_is_no_fault_of_the_scene(capsys, tmp_path):
+    cut = by_lines(1.0, 1e-17, 0.0, rays_per_batch=1 << 13, generation_cap=8)
+    with pytest.raises(pz.ArgumentError, match="its rays of 501 nm carry"):
+        compile_scene(cut, pz.RunSettings(rays_per_batch=512))
+    found = pilot(cut)
+    assert found.complete
+    assert found.capped == pytest.approx(0.5**8, rel=1e-9)
+    assert pz.trace(cut, batches=1).info.pilot == found
+    cut.save(tmp_path / "cut.toml")
+    assert main(["check", str(tmp_path / "cut.toml")]) == 0
+    out = capsys.readouterr().out
+    assert "pilot: 512 rays" in out
+    assert "carry" not in out
+
+
+@pytest.mark.parametrize(
+    "powers", [(1.0, 1e-17), (1e150, 5e-324, 0.0, 1.0), (1e-17, 1.0, 1e-20, 2.0, 0.0)]
+)
+def test_weak_lines_are_raised_and_others_stay(powers):
+    cut = by_lines(*powers)
+    for sources in (cut.source, (*cut.source, lamp("b", flux=1e-40, spectrum=powers))):
+        both = dataclasses.replace(cut, source=sources)
+        made = module._compiled(both, pz.RunSettings(rays_per_batch=512), "fp64")
+        raised = made.scene.source[0]
+        assert raised.flux == pytest.approx(1.0, rel=1e-9)
+        for before, after in zip(powers, raised.spectrum, strict=True):
+            if before > 1e-10 * max(powers):
+                assert after == before
+            else:
+                assert (after == 0.0) == (before == 0.0)
+                assert after < 1e-10 * max(powers)
+        assert sum(made.rays_of_source) == 512
 
 
 # -- one that fails -------------------------------------------------------------------------------

@@ -65,7 +65,7 @@ def test_nodes_of_one_lie_between_those_of_the_other():
         pz.FixedCoating(specular, {"wavelength_nm": nodes, "value": rest})
         assert pz.Mixed(specular, diffuse).at(533.3).absorptance <= 2.0**-49
     rest[2] += 1e-14
-    with pytest.raises(pz.SceneError, match="at 533.3 nm"):
+    with pytest.raises(pz.SceneError, match=r"at 533\.3 nm"):
         pz.Mixed(specular, {"wavelength_nm": nodes, "value": rest})
 
 

@@ -54,6 +54,34 @@ def test_quantities_go_by_line(result):
     assert len(pz.compare(result, met)) == len(result.quantity_names)
 
 
+@pytest.mark.parametrize("light", ["wavelengths_nm", "edges_nm"])
+def test_paths_tell_what_a_batch_does_and_of_which_line_each_ray_is(result, light):
+    scene = result.scene
+    if light == "edges_nm":
+        scene = scene.replace({"spectrum": {"edges_nm": [420.0, 450.0, 520.0, 600.0, 660.0]}})
+    found = pz.paths(scene, rays=32)
+    ledger = pz.trace(scene, batches=1, rays_per_batch=32).ledger
+    assert found.ledger["escaped"] == ledger.escaped.value
+    for name, row in ledger.absorbed.items():
+        assert found.ledger[f"absorbed by {name}"] == row.value
+    assert found.ledger["absorbed in dye"] == ledger.absorbed_in["dye"].value > 0.0
+    rays = [line for line in found if line.parent < 0]
+    assert len(rays) == 32
+    watts = [0.0] * 4
+    for ray in rays:
+        watts[ray.line] += ray.weight[0] * found.unit_power
+        single = None if light == "edges_nm" else scene.spectrum.wavelengths_nm[ray.line]
+        assert ray.wavelength_nm == single
+    assert watts == pytest.approx(ledger.emitted.by_wavelength, rel=1e-14)
+    # by number, of a later batch of the scene's own
+    own = scene.replace({"run.rays_per_batch": 32})
+    again = pz.paths(own, ray_numbers=[32 + ray.ray for ray in rays[::5]])
+    assert [r.line for r in again if r.parent < 0] == [r.line for r in rays[::5]]
+    plain = pz.paths("cosine-fourth", rays=4)
+    assert plain.line is None
+    assert {(ray.line, ray.wavelength_nm) for ray in plain} == {(None, None)}
+
+
 def test_files_have_it_and_a_run_goes_on(result, tmp_path):
     result.save(tmp_path / "out")
     again = pz.open_result(tmp_path / "out")

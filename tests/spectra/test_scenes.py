@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from oracles import spectra
 
 import photizon_cl as pz
+from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.compile.grid import Indices, numbers_of
 from photizon_cl.scene.writing import to_json, to_toml
 
@@ -292,9 +294,25 @@ def test_too_few_rays_and_lines_too_weak():
     scene = pz.load(tables())
     with pytest.raises(pz.ArgumentError, match=r"expected at least 2, one for each line"):
         pz.trace(scene, batches=1, rays_per_batch=1)
-    weak = pz.load(tables(source__0__spectrum=[1.0, 1e-20, 0.0]))
-    with pytest.raises(pz.ArgumentError, match=r"its rays of line 1 carry"):
+    weak = pz.load(tables(source__0__spectrum=[1.0, 1e-30, 0.0]))
+    with pytest.raises(pz.ArgumentError, match=r"its rays of 587.6 nm carry") as caught:
         pz.trace(weak, batches=1, rays_per_batch=64)
+    assert "a 0 in spectrum[1] of the source" in str(caught.value)
+    assert "rays_per_batch" not in str(caught.value)  # none would do
+    assert "shares" not in str(caught.value)
+
+
+def test_more_rays_help_a_weak_line_where_the_message_says_so():
+    weak = pz.load(tables(source__0__spectrum=[1.0, 0.0, 1e-17]))
+    with pytest.raises(pz.ArgumentError, match=r"its rays of 656.3 nm carry 6.3e-16") as caught:
+        compile_scene(weak, pz.RunSettings(rays_per_batch=64))
+    (needed,) = re.findall(r"run.rays_per_batch = (\d+) is enough", str(caught.value))
+    assert compile_scene(weak, pz.RunSettings(rays_per_batch=int(needed)))
+    # of sources, each weak in all its lines, shares are what helps
+    rows = tables()["source"]
+    other = {**rows[0], "name": "other", "flux": 1e-20}
+    with pytest.raises(pz.ArgumentError, match=r"'other': its rays of 486.1 nm .* sources shares"):
+        compile_scene(pz.load(tables(source=[*rows, other])), pz.RunSettings(rays_per_batch=64))
 
 
 def test_the_effect_says_why():

@@ -263,6 +263,6 @@ class StackCoating(Coating):
 def _given(nm: float | None) -> float:
     if nm is None:
         raise ArgumentError(
-            "nm: found no wavelength, expected one in nanometres, as what a stack does depends on it"
+            "nm: found no wavelength, expected one in nanometres, as a stack depends on it"
         )
     return wavelength(nm, "nm")
