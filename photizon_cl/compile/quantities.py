@@ -85,6 +85,12 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
         parts = path_parts(name)
     except ArgumentError:
         parts = []
+    if parts[:2] == ["far_field", _BY_LINE]:
+        raise ArgumentError(
+            f"{name}: found a line of the far field, expected all of it: it is told over all "
+            "wavelengths together; for one alone, let the spectrum of every source have no power "
+            "elsewhere"
+        )
     if any(isinstance(part, int) for part in parts[:3]):  # objects have names here
         parts = []
     line = None

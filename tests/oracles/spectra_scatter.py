@@ -12,7 +12,7 @@ import photizon_cl as pz
 from oracles.engine import scene_of, trace
 from oracles.scenes import BLACK, beam, wall
 from oracles.spectra import LINES, N_BK7, index_of_bk7, wavelength
-from oracles.statistics import batch_z, sidak, z_limit
+from oracles.statistics import batch_values, batch_z, sidak, z_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -158,6 +158,25 @@ def everything(spectrum: Spectrum, **run: Any) -> pz.Scene:
         spectrum=spectrum,
         run={"roulette_floor": 0.01, "generation_cap": 6, **run},
     )  # fmt: skip
+
+
+def narrow_band(tables: dict[str, Any], rays: int, **how: Any) -> None:
+    """A band so narrow that it is a line gives what that line gives, in every cell.
+
+    The draw of a wavelength has a key of its own, so that all others are the same in both; what
+    differs are polynomials in place of numbers, and where they stand.
+    """
+    lights: list[Spectrum] = [
+        {"wavelengths_nm": [550.0]}, {"edges_nm": [550.0 * (1.0 - 2.0**-46), 550.0]}
+    ]  # fmt: skip
+    line, band = (trace(pz.load({**tables, "spectrum": x}), rays_per_batch=rays, **how)
+                  for x in lights)  # fmt: skip
+    assert band.compiled.tables.spec.real == line.compiled.tables.spec.real
+    assert line.interactions == band.interactions > 4 * rays
+    assert (line.cells[:, 3] == band.cells[:, 3]).all()
+    one, other = (np.array(batch_values(found)).sum(axis=0) for found in (line, band))
+    assert np.abs(one - other).max() <= 1e-9
+    assert (one != 0.0).sum() > 20
 
 
 def aimed_by_line() -> None:

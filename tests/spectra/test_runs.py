@@ -48,6 +48,8 @@ def test_quantities_go_by_line(result):
     ):  # fmt: skip
         with pytest.raises(pz.ArgumentError):
             result.quantity(wrong)
+    with pytest.raises(pz.ArgumentError, match="over all wavelengths together"):
+        result.quantity("far_field.by_wavelength[0]")
     on = f"{name}.by_wavelength[1]"
     met = pz.trace(result.scene, target=0.5, target_on=[on], rays_per_batch=64, max_seconds=60)
     assert met.converged

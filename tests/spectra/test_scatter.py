@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
-from oracles import media, spectra, spectra_scatter
-from oracles.engine import PLAN, compiled, trace_compiled
+from oracles import media, spectra, spectra_scatter, watched
+from oracles.engine import PLAN, TREE, compiled, trace_compiled
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
@@ -69,6 +69,29 @@ def test_lanes_and_compositions_change_no_bit(by, splitting):
         assert all(found.amount(layout.part(row, k)) for k in range(3)), name
     (detector,) = layout.detectors
     assert found.count(detector.power) > 20
+
+
+def test_a_narrow_band_is_its_line():
+    tables = spectra_scatter.everything(spectra_scatter.BY["lines"]).to_dict()
+    del tables["source"][0]["spectrum"]
+    spectra_scatter.narrow_band(tables, 64)
+
+
+@pytest.mark.slow  # large programs
+@pytest.mark.parametrize("how", [{}, {"force": TREE}])
+def test_a_narrow_band_is_its_line_for_every_kind(how):
+    spectra_scatter.narrow_band(watched.every_kind("lines"), 70, **how)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by", ["lines", "bands"])
+def test_a_tree_changes_no_bit(by):
+    scene = spectra_scatter.everything(spectra_scatter.BY[by])
+    plain, tree = (
+        trace_compiled(compiled(scene, force, rays_per_batch=96)) for force in (frozenset(), TREE)
+    )
+    assert tree.compiled.tables.spec.one_by_one > plain.compiled.tables.spec.one_by_one
+    assert plain.digest == tree.digest
 
 
 def plate(reflectance, scatter, **more):
