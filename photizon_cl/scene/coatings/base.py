@@ -172,7 +172,7 @@ def meeting(angle_deg: ArrayLike, index: float, index_outside: float, *, inside:
 
 
 def _is_index(value: object) -> bool:
-    return isinstance(value, Real) and 0.0 < value < math.inf
+    return isinstance(value, Real) and 0.0 < float(value) < math.inf
 
 
 def whole(reflectance: float, transmittance: float) -> bool:
