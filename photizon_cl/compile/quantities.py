@@ -85,7 +85,7 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
         parts = path_parts(name)
     except ArgumentError:
         parts = []
-    if parts[:2] == ["far_field", _BY_LINE]:
+    if parts[:2] == ["far_field", BY_LINE]:
         raise ArgumentError(
             f"{name}: found a line of the far field, expected all of it: it is told over all "
             "wavelengths together; for one alone, let the spectrum of every source have no power "
