@@ -89,6 +89,26 @@ def one_lane() -> Iterator[None]:
         yield
 
 
+_quick: dict[str, dict[Any, Any]] = {"_CACHE": {}, "_BUILT": {}}
+"""What `hostcode.program.build` has built without optimising; nobody else is to run it."""
+
+
+@pytest.fixture(scope="module")
+def built_quickly() -> Iterator[None]:
+    """Have PoCL build without optimising: for modules of many programs and few rays each.
+
+    A program is there in less than half the time, gives the same bits, and runs 3 to 12 times as
+    long. Not for what is about optimised code: digests of presets and of every way to run, the
+    families of hard cases, platforms.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        # at each build PoCL adds these to the program's own options
+        patch.setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable")
+        for name, programs in _quick.items():
+            patch.setattr(f"hostcode.program.build.{name}", programs)
+        yield
+
+
 @pytest.fixture(scope="session")
 def run_python() -> Callable[..., str]:
     """Return a function that runs Python code in a process of its own and gives what it prints."""

@@ -55,8 +55,12 @@ _lock = threading.RLock()
 
 
 def program_key(device: OpenDevice, source: str, options: Sequence[str]) -> str:
-    """Return a digest of everything that a program's binary follows from."""
-    text = "\0".join((device.record.key, source, *options))
+    """Return a digest of everything that a program's binary follows from.
+
+    PoCL adds what the environment names to the options of every build.
+    """
+    more = os.environ.get("POCL_EXTRA_BUILD_FLAGS", "") if device.record.is_pocl else ""
+    text = "\0".join((device.record.key, source, *options, *([more] if more else [])))
     return hashlib.sha256(text.encode()).hexdigest()
 
 

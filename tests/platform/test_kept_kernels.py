@@ -73,6 +73,14 @@ def pocl_only(device):
         pytest.skip("the driver keeps its binaries itself")
 
 
+def test_what_the_environment_adds_to_builds_makes_other_kernels(device, pocl_only, monkeypatch):
+    key = kept_kernels.program_key(device, TEXT, OPTIONS)
+    monkeypatch.setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable")
+    quick = kept_kernels.program_key(device, TEXT, OPTIONS)
+    monkeypatch.setenv("POCL_EXTRA_BUILD_FLAGS", "")
+    assert kept_kernels.program_key(device, TEXT, OPTIONS) == key != quick
+
+
 def test_what_is_kept_is_what_runs_again(pocl_only, program):
     key, run = program
     assert run()

@@ -126,6 +126,18 @@ def test_a_pass_is_about_the_very_binaries_that_passed(fresh, monkeypatch, devic
     file.write_bytes(data)
 
 
+def test_a_pass_is_not_about_what_the_environment_has_built(fresh, monkeypatch, device):
+    """PoCL would add these options, such as those of inexact mathematics, to every program."""
+    if not device.record.is_pocl:
+        pytest.skip("the driver adds nothing")
+    selftest.passed_before_or_run(device)
+    monkeypatch.setattr(selftest, "_passed", set())  # as in another process
+    assert selftest.passed_before_or_run(device).known
+    monkeypatch.setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable")
+    monkeypatch.setattr(selftest, "_passed", set())
+    assert not selftest.passed_before_or_run(device).known
+
+
 def test_a_pass_of_binaries_that_could_not_be_kept_is_not_remembered(fresh, monkeypatch, device):
     monkeypatch.setattr(kept_kernels, "digest_of", lambda _: "")
     monkeypatch.setattr(kept_kernels, "are_kept", lambda _: True)
