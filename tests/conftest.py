@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ import pytest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
 
     from hostcode.device.device import DeviceRecord, OpenDevice
 
@@ -93,19 +95,40 @@ _quick: dict[str, dict[Any, Any]] = {"_CACHE": {}, "_BUILT": {}}
 """What `hostcode.program.build` has built without optimising; nobody else is to run it."""
 
 
-@pytest.fixture(scope="module")
-def built_quickly() -> Iterator[None]:
-    """Have PoCL build without optimising: for modules of many programs and few rays each.
+@pytest.fixture(scope="session")
+def quickly(request: pytest.FixtureRequest) -> Callable[[], AbstractContextManager[None]]:
+    """Return a context in which PoCL builds without optimising, here and in processes begun in it.
 
     A program is there in less than half the time, gives the same bits, and runs 3 to 12 times as
-    long. Not for what is about optimised code: digests of presets and of every way to run, the
-    families of hard cases, platforms.
+    long: for many programs and few rays each. Not for what is about optimised code: digests of
+    presets and of every way to run, the families of hard cases, platforms.
     """
-    with pytest.MonkeyPatch.context() as patch:
-        # at each build PoCL adds these to the program's own options
-        patch.setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable")
-        for name, programs in _quick.items():
-            patch.setattr(f"hostcode.program.build.{name}", programs)
+
+    @contextmanager
+    def building() -> Iterator[None]:
+        with pytest.MonkeyPatch.context() as patch:
+            # whoever asks for slow tests has all of them run what users run
+            if "not slow" in request.config.getoption("markexpr"):
+                # at each build PoCL adds these to the program's own options
+                patch.setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable")
+                for name, programs in _quick.items():
+                    patch.setattr(f"hostcode.program.build.{name}", programs)
+            yield
+
+    return building
+
+
+@pytest.fixture(scope="module")
+def built_quickly(quickly: Callable[[], AbstractContextManager[None]]) -> Iterator[None]:
+    """Have all programs of a module built so."""
+    with quickly():
+        yield
+
+
+@pytest.fixture
+def itself_built_quickly(quickly: Callable[[], AbstractContextManager[None]]) -> Iterator[None]:
+    """Have those of one test built so, in a module that has others."""
+    with quickly():
         yield
 
 
@@ -140,6 +163,9 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
             # these build the documentation, and reports, once for all files of the directory
             if folder in ("tests/docs", "tests/report"):
                 return folder
+            # and these a scene of everything
+            if nodeid.startswith("tests/structure/test_contract"):
+                return "tests/structure/test_contract"
             return str(super()._split_scope(nodeid))
 
     return Scheduler(config, log)

@@ -20,6 +20,9 @@ from photizon_cl.compile.tree_nodes import pack_nodes, unpack_nodes
 from photizon_cl.geometry.tree import BREAK_EVEN, TREE_STACK, TREE_WIDTH, build_tree, world_boxes
 from photizon_cl.scene.settings import RunSettings
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 # fifty sizes from 10 to 10^4
 SIZES = [round(10 ** (1.0 + 3.0 * k / 49)) for k in range(50)]
 RUN = RunSettings(rays_per_batch=1024, generation_cap=40)

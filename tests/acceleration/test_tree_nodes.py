@@ -18,6 +18,9 @@ from photizon_cl.compile.tree_nodes import TREE_NODE, pack_nodes, unpack_nodes
 from photizon_cl.geometry.tree import TREE_WIDTH, build_tree
 from photizon_cl.scene.settings import RunSettings
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 def boxes_of(kind, n=300):
     g = np.random.default_rng(8)

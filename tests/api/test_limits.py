@@ -21,7 +21,10 @@ def program_of(scene):
         pz.trace(scene, max_seconds=0.01)
 
 
-@pytest.mark.parametrize("kind", ["white box", "glass in mirrors"])
+# those that wait have a budget, below
+@pytest.mark.parametrize(
+    "kind", ["white box", pytest.param("glass in mirrors", marks=pytest.mark.slow)]
+)
 def test_a_batch_that_never_ends_is_given_up(kind):
     scene = endless(kind, 2**16 if kind == "white box" else 16)
     program_of(scene)

@@ -11,6 +11,9 @@ from photizon_cl.cli.main import main
 from photizon_cl.run.media import clashing_media
 from photizon_cl.scene.presets import preset_names
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 GLASS = pz.Fresnel(1.5)
 LAMP = pz.CollimatedDisk(name="lamp", flux=1.0, position=(0, 0, -1), axis="+z", radius=0.1)
 PLATE = pz.Disk(name="plate", position=(0, 0, 1), axis="-z", radius=1.0, surface=pz.Absorber())
@@ -145,9 +148,7 @@ def test_faces_in_contact_say_nothing():
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(
-            n, marks=() if n in ("ghost-ladder", "aspheric-condenser") else pytest.mark.slow
-        )
+        pytest.param(n, marks=() if n == "aspheric-condenser" else pytest.mark.slow)
         for n in preset_names()
         if any(e.surface.refracts for e in pz.load(n).element)
     ],

@@ -29,8 +29,15 @@ FACTOR = 2.0
 # -- what is said is what is taken -----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("sparse", [False, True])
-@pytest.mark.parametrize(("side", "far"), [(SIDE, None), (0, SIDE)])
+@pytest.mark.parametrize(
+    ("side", "far", "sparse"),
+    [
+        (SIDE, None, False),
+        (0, SIDE, True),
+        pytest.param(SIDE, None, True, marks=pytest.mark.slow),
+        pytest.param(0, SIDE, False, marks=pytest.mark.slow),
+    ],
+)
 def test_what_is_said_is_what_is_taken(side, far, sparse, monkeypatch, tmp_path):
     if sparse:
         monkeypatch.setattr(tally, "_SPARSE_FROM", 1000)

@@ -26,6 +26,7 @@ from photizon_cl.views.figures import draw_ledger, write_all
 ROOT = Path(__file__).resolve().parents[2]
 MINE = "# mine\n"
 NAMES = ["scene.toml", "summary.json", "ledger.csv", "detectors.csv", "recipe.txt"]
+LIKE_OTHERS = ("scene.toml", "detectors.csv", "recipe.txt")
 
 
 def content(folder):
@@ -67,7 +68,8 @@ def test_a_run_into_a_directory_of_the_users_own_files(names, small, tmp_path, c
 @pytest.mark.parametrize(
     "name",
     [
-        *NAMES,
+        # a table, the summary and a figure: one rule for all files
+        *(pytest.param(n, marks=pytest.mark.slow if n in LIKE_OTHERS else ()) for n in NAMES),
         "figures/ledger.png",
         pytest.param("figures/convergence.png", marks=pytest.mark.slow),
     ],

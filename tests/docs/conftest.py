@@ -32,14 +32,17 @@ class Build(NamedTuple):
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _building(tmp_path_factory):
-    """Start to build a copy of the documentation, beside the tests that do without it."""
+def _building(tmp_path_factory, quickly):
+    """Start to build a copy of the documentation, beside the tests that do without it.
+
+    A page traces a few rays by programs of its own.
+    """
     source = tmp_path_factory.mktemp("docs") / "docs"
     ignored = shutil.ignore_patterns("_build", "parts", "__pycache__")
     shutil.copytree(ROOT / "docs", source, ignore=ignored)
     pages, log = source.parent / "html", source.parent / "log"
     paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-    with log.open("wb") as said:
+    with quickly(), log.open("wb") as said:
         running = subprocess.Popen(
             [
                 sys.executable,

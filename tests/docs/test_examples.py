@@ -9,8 +9,8 @@ import pytest
 from pages import ROOT, Runner, apply_hunks, matches
 from photizon_docs.tables import GROUPS
 
-# Programs of the largest scenes: what they show, other tests do as well.
-SLOW = ("reverse-traces.md", "scatter.md")
+# Programs of the largest scenes, and of folders of tests that show the same.
+SLOW = ("importance-sampling.md", "media.md", "reverse-traces.md", "scatter.md", "sweeps.md")
 WRITTEN = sorted(p.name for p in (ROOT / "docs").glob("*.md") if p.name != "add-a-kind.md")
 KINDS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]
 
@@ -74,6 +74,7 @@ def test_a_surface_and_an_effect_are_added(kinds, checkout):
     assert int(passed[1]) >= 10, said
 
 
+@pytest.mark.usefixtures("itself_built_quickly")  # as the pages were
 @pytest.mark.parametrize(("group", "kind"), KINDS, ids=[kind for _, kind in KINDS])
 def test_page_of_a_kind(group, kind, build, tmp_path):
     import photizon_cl as pz

@@ -10,6 +10,9 @@ from oracles.scenes import BLACK, beam, glass, mirror, wall
 
 from photizon_cl.scene.files import load
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 CLEAR = {"surface": {"kind": "clear"}}
 
 

@@ -16,6 +16,9 @@ from oracles.scenes import BLACK, beam, glass, matt, mirror, wall
 from photizon_cl.checks.advisories import advisories
 from photizon_cl.compile.compiled import compile_scene
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 CLEAR = {"surface": {"kind": "clear"}}
 POSES = {
     "along the axes": ("+z", (0.0, 0.0), (0.0, 0.0, 0.0)),

@@ -40,6 +40,7 @@ from oracles.scenes import everything
 
 from hostcode.device.device import enumerate_devices, qualify
 from hostcode.device.device import open_device as open_record
+from hostcode.program import build
 from hostcode.program.plan import ExecutionPlan
 from photizon_cl.scene.files import load
 
@@ -99,6 +100,7 @@ def of_everything(*others: str) -> list[Any]:
 
 
 WIDE = [pytest.param(name, 16, marks=pytest.mark.slow) for name in SCENES]
+NARROWEST = [pytest.param(name, 1, marks=pytest.mark.slow) for name in SCENES]
 NARROW = [pytest.param(name, 2, marks=pytest.mark.slow) for name in SCENES]
 
 # one run for each value of each choice; lanes 4 and 16 share these rows between them
@@ -149,7 +151,7 @@ def test_widest_and_scalar_with_other_choices(name: str, lanes: int) -> None:
     same(name, lanes=lanes, refill=3, batches=2, **plan)
 
 
-@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 1, 4) + WIDE)
+@pytest.mark.parametrize(("name", "lanes"), wholly("everything", 4) + NARROWEST + WIDE)
 def test_classical_wavefront(name: str, lanes: int) -> None:
     same(name, composition="classical", lanes=lanes, batches=3)
 
@@ -165,6 +167,7 @@ def test_whole_paths(name: str) -> None:
     same(name, composition="whole-path", lanes=1, stack_rays=2, wave_rays=1 << 12, batches=3)
 
 
+@pytest.mark.slow  # groups of 4: above
 @pytest.mark.parametrize("name", of_everything("integrating-sphere"))
 def test_groups_of_64(name: str) -> None:
     same(name, local_size=64, items=64, lanes=1, batches=2)
@@ -186,6 +189,17 @@ def test_one_and_two_threads(name: str) -> None:
 @pytest.mark.parametrize("origin", ["debian", "pypi"])
 def test_both_pocls(name: str, origin: str, lanes: int) -> None:
     same(name, device=open_device(origin), lanes=lanes, refill=1, batches=3)
+
+
+def test_without_the_compilers_optimiser(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As `built_quickly` has many tests run what is optimised here."""
+    optimised = base("everything")
+    monkeypatch.setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable")
+    for programs in ("_CACHE", "_BUILT"):
+        monkeypatch.setattr(build, programs, {})
+    run = trace_compiled(scene("everything"), 2, plan=BASE)
+    assert [c.tobytes() for c in run.batches] == [c.tobytes() for c in optimised.batches[:2]]
+    assert build._BUILT
 
 
 @pytest.mark.parametrize("name", ["integrating-sphere", "ghost-ladder"])

@@ -14,6 +14,9 @@ from oracles.scenes import AXES, beam
 import photizon_cl as pz
 from photizon_cl.scene.frames import frame
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 LAMP = {"kind": "lambertian-disk", "flux": 1.0, "position": [0, 0, 0], "radius": 0.1}
 
 

@@ -18,6 +18,9 @@ import photizon_cl as pz
 from hostcode.program.source import program_source
 from photizon_cl.geometry.targets import BALL, RING, SQUARE
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 # -- what targets draw -----------------------------------------------------------------------------
 
 _BODY = """

@@ -12,8 +12,18 @@ from oracles.scenes import BLACK, beam, cube, everything, glass, matt, mirror, r
 from photizon_cl.scene.files import load
 from photizon_cl.scene.presets import preset_names
 
+LIKE_OTHERS = ("cassegrain", "square-lightpipe")
+"""Presets whose elements the baffled ones have as well, the telescope and the tube."""
+every_preset = pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name in LIKE_OTHERS else ())
+        for name in preset_names()
+    ],
+)
 
-@pytest.mark.parametrize("name", preset_names())
+
+@every_preset
 def test_every_preset_closes_in_every_batch(name: str) -> None:
     found = trace(name, batches=8, rays_per_batch=4096)
     gates.closes(found)
@@ -22,7 +32,7 @@ def test_every_preset_closes_in_every_batch(name: str) -> None:
     assert abs(watts - Fraction(flux)) < Fraction(flux) * Fraction(1, 10**15)
 
 
-@pytest.mark.parametrize("name", preset_names())
+@every_preset
 def test_every_preset_closes_with_a_low_cap(name: str) -> None:
     gates.closes(trace(name, batches=4, rays_per_batch=2048, generation_cap=3))
 

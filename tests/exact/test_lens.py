@@ -13,7 +13,8 @@ from oracles.sequential import Surface, meridional
 import photizon_cl as pz
 from photizon_cl.compile.compiled import compile_scene
 
-pytestmark = pytest.mark.usefixtures("one_lane")
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly", "one_lane")
 
 N = 1.5168
 GLASS = pz.Fresnel(index=N)
@@ -118,7 +119,7 @@ def same_as(lens: pz.Lens, other: Any, names: dict[str, str]) -> None:
     tables = []
     for element in (lens, other):
         made = scene(element, black(-0.09, paths=40, generations=8), source=beam(0.02))
-        result = pz.trace(made, batches=2, rays_per_batch=4096)
+        result = pz.trace(made, batches=2, rays_per_batch=512)
         assert abs(result.ledger.closure) < 1e-15
         tables.append(result.detectors["screen"].paths.to_dataframe())
     mine, theirs = tables
@@ -221,7 +222,7 @@ def test_heights_behind_a_cemented_doublet_are_those_of_a_sequential_trace(
 
 def test_cement_refracts_once_and_nothing_is_lost() -> None:
     made = scene(*doublet(), black(-0.1, paths=30), source=beam(0.0115), generation_cap=12)
-    result = pz.trace(made, batches=2, rays_per_batch=4096)
+    result = pz.trace(made, batches=2, rays_per_batch=64)
     assert abs(result.ledger.closure) < 1e-15
     table = result.detectors["screen"].paths.to_dataframe()
     assert table["sequence"][0] == "crown.front t > crown.back t > flint.back t > screen"

@@ -70,7 +70,8 @@ def test_no_rounding_absorbs_less_than_nothing():
 
 
 @pytest.mark.parametrize("choice", [
-    {"composition": "classical"}, {"lanes": 1}, {"max_bounces": 1, "stack_rays": 1},
+    {"composition": "classical"}, {"lanes": 1},
+    pytest.param({"max_bounces": 1, "stack_rays": 1}, marks=pytest.mark.slow),
     pytest.param({"composition": "whole-path", "lanes": 1}, marks=pytest.mark.slow),
     pytest.param({"lanes": 16, "refill": 4}, marks=pytest.mark.slow),
 ])  # fmt: skip

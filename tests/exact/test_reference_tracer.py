@@ -9,6 +9,9 @@ from __future__ import annotations
 import pytest
 from oracles import gates
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 @pytest.mark.parametrize(
     "number", [n if n > 1 else pytest.param(n, marks=pytest.mark.slow) for n in range(12)]

@@ -14,6 +14,9 @@ from photizon_cl.stability.build import TILT
 if TYPE_CHECKING:
     from photizon_cl.compile.compiled import CompiledScene
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 RAYS = 1024
 BATCHES = 4
 

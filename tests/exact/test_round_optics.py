@@ -16,6 +16,9 @@ import photizon_cl as pz
 from photizon_cl.errors import SceneError
 from photizon_cl.scene.elements.conic import equator
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 RAYS = 4096
 SCALES = (1e-9, 1.0, 1e9)
 ORIGIN = [0.0, 0.0, 0.0]

@@ -16,6 +16,9 @@ from photizon_cl.compile.effects.base import Effect
 from photizon_cl.compile.effects.table import EFFECTS
 from photizon_cl.compile.layout import LedgerRow
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 class Fog(Effect):
     """Takes half of what goes on from a surface."""

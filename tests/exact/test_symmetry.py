@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     from oracles.engine import Traced
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 LENGTHS = ("radius", "half_width", "half_height")
 
 
@@ -179,8 +182,16 @@ def lit_bin(row: dict[str, Any], start: np.ndarray, towards: str) -> tuple[int, 
     return i, j
 
 
-@pytest.mark.parametrize("axis", AXES)
-@pytest.mark.parametrize("kind", ["rectangle", "disk"])
+@pytest.mark.parametrize(
+    ("kind", "axis"),
+    [
+        pytest.param(
+            kind, axis, marks=pytest.mark.slow if kind == "disk" and axis[1] != "z" else ()
+        )
+        for kind in ("rectangle", "disk")
+        for axis in AXES
+    ],
+)
 def test_maps_of_flats_run_along_u_then_v(kind: str, axis: str) -> None:
     u, v = (np.array(tracer.axis_vector(name)) for name in tracer.FRAMES[axis])
     w = np.array(tracer.axis_vector(axis))

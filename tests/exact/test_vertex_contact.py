@@ -11,7 +11,8 @@ from oracles.scenes import beam
 
 import photizon_cl as pz
 
-pytestmark = pytest.mark.usefixtures("one_lane")
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly", "one_lane")
 
 BOTTOM = (0.0, 0.0, 0.0)
 

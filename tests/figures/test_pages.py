@@ -91,13 +91,13 @@ def crowded(axes):
 
 CASES = [
     "long names",
-    "tall",
+    pytest.param("tall", marks=pytest.mark.slow),
     "zero",
-    "single batch",
+    pytest.param("single batch", marks=pytest.mark.slow),
     "curves",
     "no detector",
     "no element",
-    "many",
+    pytest.param("many", marks=pytest.mark.slow),
 ]
 
 

@@ -112,7 +112,11 @@ def test_both_libraries_of_many_digits_measure_the_same(tmp_path: Path, family: 
     assert tables[0] == tables[1]
 
 
-@pytest.mark.parametrize("family", ["cpc, rims", "tube, corners", "lens, rim", "lens, inside"])
+@pytest.mark.parametrize(
+    "family",
+    ["cpc, rims", "lens, rim"]
+    + [pytest.param(f, marks=pytest.mark.slow) for f in ("tube, corners", "lens, inside")],
+)
 def test_lane_widths_give_the_same_bits(family: str) -> None:
     """A ray's neighbours in a packet do not change its answer: every case, scene by scene."""
     scenes: dict[tuple[Element, ...], list[Case]] = {}

@@ -244,7 +244,9 @@ def test_rays_launched_on_a_sphere_leave_it(radius: float, grazing: float) -> No
         assert not np.isnan(found.distance).any()
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 4, 8, 16])
+@pytest.mark.parametrize(
+    "lanes", [1, 8, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 4, 16))]
+)
 def test_no_nan_and_the_same_bits_at_every_width(lanes: int) -> None:
     """Everything at once: axis rays, zero components, far and near origins, tangents, edges."""
     elements = [

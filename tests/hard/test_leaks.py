@@ -25,18 +25,20 @@ if TYPE_CHECKING:
 
 
 CAP = 2000
+LIKE_OTHERS = (
+    "cylinder,", "frustum", "paraboloid", "plano-convex", "thin meniscus", "cemented", "hyperboloid"
+)  # fmt: skip
 
 
 def bodies() -> list[Any]:
     """Return every body's name with mirrors or matt walls in turn; the others are slow tests.
 
-    So are bodies whose joints are in test_curved_corners.py as well.
+    So are bodies whose joints are in test_curved_corners.py as well, or in another of these.
     """
     names = list(closed_bodies())
     half = len(names) // 2  # the same bodies follow with the other walls
     slow = [
-        (n % half + n // half) % 2 or name.startswith(("cylinder,", "frustum", "paraboloid"))
-        for n, name in enumerate(names)
+        (n % half + n // half) % 2 or name.startswith(LIKE_OTHERS) for n, name in enumerate(names)
     ]
     return [
         pytest.param(name, marks=pytest.mark.slow if is_slow else ())

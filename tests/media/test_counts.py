@@ -16,6 +16,9 @@ import photizon_cl as pz
 from photizon_cl.cli.main import main
 from photizon_cl.views.drawing import view
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 FOG = {"name": "fog", "index": 1.0, "absorption_per_m": 2.0}
 CLEAR = {"surface": {"kind": "clear"}}
 

@@ -8,6 +8,9 @@ import pytest
 
 import photizon_cl as pz
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 def scene(*elements, medium="vacuum", alpha=0.0):
     return {

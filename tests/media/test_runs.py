@@ -14,6 +14,9 @@ import photizon_cl as pz
 from photizon_cl.cli.main import main
 from photizon_cl.scene.files import load
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 CUVETTE = "absorbing-cuvette"
 RUN = {"rays_per_batch": 128}
 ROW = 'ledger.absorbed_in."dyed water"'

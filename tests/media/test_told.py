@@ -14,6 +14,9 @@ from photizon_cl.checks.coarse import coarse
 from photizon_cl.run.media import clashing_media
 from photizon_cl.views.report.story import summary
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 WATER = {"name": "water", "index": 1.333, "absorption_per_m": 2.0}
 
 

@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 
     from _pytest.mark.structures import ParameterSet
 
+# a program a mutant; what a gate sees of it no optimiser decides
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 @dataclass(frozen=True)
 class Mutant:

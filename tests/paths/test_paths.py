@@ -13,6 +13,9 @@ from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.paths import ENDINGS
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 RAYS = 40
 GOES_ON, ABSORBED, ESCAPED, CAPPED, KILLED, NOT_FOLLOWED = range(len(ENDINGS))
 

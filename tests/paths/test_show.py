@@ -17,6 +17,9 @@ from photizon_cl.views.drawing.plot import draw_scene
 from photizon_cl.views.drawing.sections import colour_key, ray_colours
 from photizon_cl.views.drawing.view import ShownRays, bounding_box, shown_rays
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 @pytest.fixture
 def run(capsys):

@@ -92,6 +92,7 @@ BRIEFLY = ("every kind, through a tree",)
 
 
 @needs_oclgrind
+@pytest.mark.usefixtures("itself_built_quickly")  # of the device the answer is asked for alone
 @pytest.mark.parametrize(
     "name",
     [

@@ -51,6 +51,8 @@ MUTANTS = {
 }
 
 
+# what is wrong stands in the text, whatever an optimiser makes of it
+@pytest.mark.usefixtures("itself_built_quickly")
 @pytest.mark.parametrize("mutant", MUTANTS)
 def test_a_device_that_gets_one_thing_wrong_fails_and_says_what(monkeypatch, device, mutant):
     sound = selftest.source(1)

@@ -15,24 +15,25 @@ from narrow import four_lanes as four_lanes
 
 
 @pytest.fixture(scope="session")
-def results():
+def results(quickly):
     """Return results that between them have all that a report can show."""
     from report_scenes import capped, hostile, plate, scene
 
     import photizon_cl as pz
 
-    return {
-        "room": pz.trace("box-room", batches=10, rays_per_batch=2048),
-        "sphere": pz.trace("integrating-sphere", batches=10, rays_per_batch=2048),
-        "hostile": pz.trace(pz.load(hostile()), batches=9, rays_per_batch=2048),
-        "capped": pz.trace(pz.load(capped()), batches=9, rays_per_batch=2048),
-        "single": pz.trace(
-            pz.load(scene("single", element=[plate("t", detector={"map": [8, 8]})])),
-            batches=1,
-            rays_per_batch=1024,
-        ),
-        "empty": pz.trace(pz.load(scene("empty")), batches=2, rays_per_batch=64),
-    }
+    with quickly():
+        return {
+            "room": pz.trace("box-room", batches=10, rays_per_batch=2048),
+            "sphere": pz.trace("integrating-sphere", batches=10, rays_per_batch=2048),
+            "hostile": pz.trace(pz.load(hostile()), batches=9, rays_per_batch=2048),
+            "capped": pz.trace(pz.load(capped()), batches=9, rays_per_batch=2048),
+            "single": pz.trace(
+                pz.load(scene("single", element=[plate("t", detector={"map": [8, 8]})])),
+                batches=1,
+                rays_per_batch=1024,
+            ),
+            "empty": pz.trace(pz.load(scene("empty")), batches=2, rays_per_batch=64),
+        }
 
 
 @pytest.fixture(scope="session")

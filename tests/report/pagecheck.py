@@ -56,8 +56,11 @@ class Watched:
         self.context.close()
 
 
-def faults(browser, path, folder=None, schemes=("light", "dark")):
-    """Return what is wrong with a page; screenshots go into `folder` where one is given."""
+def faults(browser, path, folder=None, schemes=("light", "dark"), *, shot=True):
+    """Return what is wrong with a page; screenshots go into `folder` where one is given.
+
+    Without a `shot` nobody looks whether it is blank.
+    """
     found = []
     with Watched(browser, path) as watched:
         watched.look("unfold")
@@ -68,7 +71,7 @@ def faults(browser, path, folder=None, schemes=("light", "dark")):
             for width in WIDTHS:
                 watched.page.set_viewport_size({"width": width, "height": 900})
                 here += watched.look("overflow")
-                if is_blank(watched.page.screenshot()):
+                if shot and is_blank(watched.page.screenshot()):
                     here.append(f"the screenshot is blank at {width} px")
                 if folder is not None:
                     watched.page.screenshot(path=folder / f"{scheme}-{width}.png", full_page=True)

@@ -232,7 +232,7 @@ def test_command_line(sphere, tmp_path, capsys):
     assert main(["recipe", str(tmp_path)]) == 2
 
 
-@pytest.mark.parametrize("precision", ["fp64", "fp32"])
+@pytest.mark.parametrize("precision", ["fp64", pytest.param("fp32", marks=pytest.mark.slow)])
 def test_a_run_that_chooses_one_child_is_made_again_and_goes_on(tmp_path, precision):
     scene = pz.load("ghost-ladder").replace(
         {"run.splitting": False, "run.rays_per_batch": 512, "element.front.surface.index": 1.6}

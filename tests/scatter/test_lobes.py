@@ -15,6 +15,9 @@ from oracles.statistics import sidak
 
 from photizon_cl.scene.scatters.total import total_at
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 @pytest.mark.statistical
 @pytest.mark.parametrize("name", LOBES)

@@ -16,6 +16,9 @@ import photizon_cl as pz
 from hostcode.program.source import program_source
 from photizon_cl.compile.compiled import compile_scene
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 def test_both_parts_of_every_ray_go_on():
     scattering.both_parts_go_on()
@@ -86,11 +89,13 @@ def busy(**run):
 @pytest.mark.parametrize(
     "changes",
     [
-        {"lanes": 8},
+        {"composition": "classical", "lanes": 8},
+        pytest.param({"lanes": 8}, marks=pytest.mark.slow),
         pytest.param({"composition": "classical", "lanes": 1}, marks=pytest.mark.slow),
-        {"composition": "whole-path", "lanes": 1, "stack_rays": 1},
+        pytest.param(
+            {"composition": "whole-path", "lanes": 1, "stack_rays": 1}, marks=pytest.mark.slow
+        ),
         pytest.param({"lanes": 16, "interleaved": True}, marks=pytest.mark.slow),
-        pytest.param({"composition": "classical", "lanes": 8}, marks=pytest.mark.slow),
     ],
 )
 def test_the_bits_are_the_same_however_it_runs(changes):

@@ -18,6 +18,9 @@ from photizon_cl.errors import ArgumentError
 from photizon_cl.scene.scatters.functions import exp_of, gauss_nodes, log_of, power_of
 from photizon_cl.scene.scatters.total import total_at
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 ANGLES = np.arange(0.0, 81.0, 10.0)
 
 

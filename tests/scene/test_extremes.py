@@ -74,7 +74,9 @@ def scene(r: random.Random, number: int) -> pz.Scene:
     return pz.Scene(name="x", source=(source,), element=tuple(elements))
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(
+    "seed", [*range(3), *(pytest.param(n, marks=pytest.mark.slow) for n in range(3, 8))]
+)
 def test_what_is_valid_compiles_and_has_numbers(seed: int) -> None:
     r, built, kinds = random.Random(seed), 0, set()
     with warnings.catch_warnings():

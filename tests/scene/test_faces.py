@@ -26,6 +26,9 @@ from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 from photizon_cl.views.drawing.sections import DETECTOR, SOURCE
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 SILVER, BLACK = pz.Mirror(1.0), pz.Absorber()
 WHERE: dict[str, Any] = {"position": (0.3, -0.2, 0.1), "axis": "-y", "surface": BLACK}
 TURNED: dict[str, Any] = {**WHERE, "tilt_deg": (25.0, -40.0)}

@@ -12,6 +12,9 @@ from photizon_cl.cli.main import main
 from photizon_cl.errors import SceneError
 from photizon_cl.scene.importance import MOST_TARGETS
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 ROOM = pz.load("box-room")
 
 

@@ -32,8 +32,15 @@ def test_the_rare_path_is_what_it_is_said_to_be():
     assert arrives / LAMP == pytest.approx(1e5)
 
 
-@pytest.mark.parametrize("glass", [False, True])
-@pytest.mark.parametrize("batches", [8, 40])
+@pytest.mark.parametrize(
+    ("batches", "glass"),
+    [
+        (8, True),
+        (40, False),
+        pytest.param(8, False, marks=pytest.mark.slow),
+        pytest.param(40, True, marks=pytest.mark.slow),
+    ],
+)
 def test_a_rare_bright_path_is_flagged(batches, glass):
     """All of 6 seeds, whether rays split or not."""
     for seed in range(6):

@@ -21,8 +21,8 @@ pytestmark = pytest.mark.usefixtures("one_lane")
 FALSE_ALARM = 1e-6
 LEVEL = sidak(FALSE_ALARM, 2 * len(TEN))
 POWER = "detectors.sensor.power"
-QUICK = (2, 8)
-"""Scenes of the quick suite: a turned rectangle that is met on one side, and nested targets."""
+QUICK = (8,)
+"""The scene of the quick suite: nested targets."""
 
 
 def mean(result: pz.Result, name: str) -> tuple[float, float]:
@@ -45,6 +45,7 @@ def means_agree(number: int, batches: int, rays: int, sigma: float) -> None:
 
 
 @pytest.mark.statistical
+# in exact/test_importance.py a rectangle has what is due to it; to half a percent each is below
 @pytest.mark.parametrize("number", QUICK)
 def test_means_are_those_without_it(number):
     means_agree(number, batches=24, rays=1 << 13, sigma=0.02)

@@ -18,7 +18,8 @@ from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result import keyed_sums
 from photizon_cl.result.statistics import complete
 
-pytestmark = pytest.mark.usefixtures("one_lane")
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly", "one_lane")
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,8 @@ import photizon_cl as pz
 from photizon_cl.cli.main import main
 from photizon_cl.result import keyed_sums
 
-pytestmark = pytest.mark.usefixtures("one_lane")
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly", "one_lane")
 
 
 @pytest.mark.parametrize("n", [1, 3])
@@ -328,7 +329,7 @@ def test_a_tube_names_its_wall_and_baffles_once():
     assert len(table) == len({row.sequence for row in table})
 
 
-@pytest.mark.parametrize("precision", ["mixed", "fp32"])
+@pytest.mark.parametrize("precision", [pytest.param("mixed", marks=pytest.mark.slow), "fp32"])
 def test_other_precisions_have_paths_too(precision):
     table = pz.trace(pile(1), batches=2, precision=precision).detectors["sensor"].paths
     own = plates(1).detectors["sensor"].paths

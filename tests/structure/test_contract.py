@@ -40,6 +40,9 @@ from photizon_cl.scene.coatings.base import HEAD as COATING
 from photizon_cl.scene.registry import DETECTORS, ELEMENTS, SURFACES
 from photizon_cl.scene.scatters.base import HEAD
 
+# the scene of everything builds for half a minute otherwise
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 UNIT_ROUNDOFF = 2.0**-53
 
 

@@ -32,6 +32,9 @@ from photizon_cl.compile.layout import CellGroup
 from photizon_cl.scene.files import load
 from photizon_cl.scene.registry import FILTERS
 
+# the scene of everything, thrice; tests/exact has the same bits of optimised code
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 ASKED = "it was asked for"
 PLAIN = ("box-room", "element-sphere")
 """Scenes that need few effects and bounce often: flat walls with edges, and a ball with a port."""

@@ -16,6 +16,9 @@ import photizon_cl as pz
 from photizon_cl.scene.described import parameters_of
 from photizon_cl.scene.registry import ELEMENTS
 
+# a program a kind, for a few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 EXPONENTS = (-480, -340, 340, 480)
 RAYS = 1500
 

@@ -34,6 +34,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs" / "_ext"))
 
 from photizon_docs.examples import example
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 LANES = (1, 4)
 CASES = (("scan", ()), ("scan", ("contact",)), ("tree", ("contact",)))
 """How faces are sought, and what is forced on."""
@@ -145,7 +148,14 @@ MIX_UPS = {
 }
 
 
-@pytest.mark.parametrize("mix_up", MIX_UPS)
+QUICK = ("a mask from an integer", "a double constant", "a weight in a real")
+"""One of each pair of types; each builds a program twice."""
+
+
+@pytest.mark.parametrize(
+    "mix_up",
+    [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in MIX_UPS],
+)
 def test_a_mix_up_does_not_build(
     device: OpenDevice, monkeypatch: pytest.MonkeyPatch, mix_up: str
 ) -> None:

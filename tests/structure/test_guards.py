@@ -19,6 +19,9 @@ from photizon_cl.scene import registry
 from photizon_cl.scene.elements.base import Element
 from photizon_cl.scene.rows import Row
 
+# a program or more a test, for few rays
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 def room() -> pz.Scene:
     """A matt and a shining wall, and a black one with a map."""

@@ -17,7 +17,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from tubes import WIDE, a_sweep
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
 
 
 @contextmanager
@@ -34,16 +35,18 @@ def _one_lane(one_lane: None) -> None:
 
 
 @pytest.fixture(scope="session")
-def swept() -> pz.Sweep:
+def swept(quickly: Callable[[], AbstractContextManager[None]]) -> pz.Sweep:
     """Return twelve angles, 0 among them, in memory."""
-    with _narrow():
+    with _narrow(), quickly():
         return pz.sweep(a_sweep())
 
 
 @pytest.fixture(scope="session")
-def _kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def _kept(
+    tmp_path_factory: pytest.TempPathFactory, quickly: Callable[[], AbstractContextManager[None]]
+) -> Path:
     folder = tmp_path_factory.mktemp("sweeps") / "kept"
-    with _narrow():
+    with _narrow(), quickly():
         pz.sweep(a_sweep(WIDE), out=folder)
     return folder
 
