@@ -36,7 +36,9 @@ def test_piles_of_plates(plates, told, floor):
 
 
 @pytest.mark.statistical
-@pytest.mark.parametrize(("plates", "angle"), [(4, 0.0), (8, 0.0), (3, 65.0)])
+@pytest.mark.parametrize(
+    ("plates", "angle"), [(4, 0.0), pytest.param(8, 0.0, marks=pytest.mark.slow), (3, 65.0)]
+)
 def test_larger_piles(plates, angle):
     """What weighs less than 1e-6 plays roulette: a false alarm in 10^6."""
     found = trace(pile(plates, 1.5, angle, roulette_floor=1e-6, **ON), batches=32)
