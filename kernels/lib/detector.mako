@@ -16,7 +16,7 @@
 #define TALLY_EDGES(filter) (3 + 2 * (filter))
 #define DETECTOR_TALLY ${2 + 2 * max((len(form.filters) for form in forms), default=0)}
 #define DETECTOR_NUMBERS 12
-FN void count_arrival(__global long *cells, ${"__global long *keyed, ulong slot, ulong keyed_capacity, " if keyed else ""} const launch_t *launch, __global const long *codes,
+FN void count_arrival(__global long *cells, ${"keyed_t *keyed, " if keyed else ""} const launch_t *launch, __global const long *codes,
                       __global const double *numbers, __global const double *edges,
                       const ending_record_t *end) {
     const long which = codes[launch->detector_of + (end->tag >> 1)];

@@ -21,8 +21,8 @@
 ##            that split (may be written: w, alive, each change booked); met: the lanes that made an
 ##            interaction, whether or not a ray goes on in them: rays are in p->alive & met.
 ##   arrival  (in count_arrival, detector.mako: in the program that counts what was recorded, one number at a time)
-##            end: the record; which: the detector's number; codes; keyed, slot and keyed_capacity where the
-##            effect keeps cells by key (keyed.mako). Only arrivals on the side that counts.
+##            end: the record; which: the detector's number; codes; keyed where the effect keeps cells by
+##            key (keyed.mako). Only arrivals on the side that counts.
 ##
 ## An image_t is a weight as three integers, in units of 2^-31, 2^-63 and 2^-95: image_of(w) makes one,
 ## book_row books it on a row of the effect.  count_weights adds a `weight` to the effect's cells.

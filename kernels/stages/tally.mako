@@ -13,7 +13,7 @@ __kernel void tally_stage(__global const launch_t *launch_buffer, __global const
                           __global const item_t *items, __global const double *record_reals,
                           __global const uint *record_words, __global long *tally, ulong parts${"," if keyed else ""}
 % if keyed:
-                          __global long *keyed, ulong keyed_capacity
+                          __global long *keyed_tables, ulong keyed_capacity
 % endif
                           ) {
     const launch_t settings = open_launch(launch_buffer);
@@ -31,6 +31,10 @@ __kernel void tally_stage(__global const launch_t *launch_buffer, __global const
 % endif
     const item_t item = items[me];
     __global long *cells = tally + item.slot * launch->n_cells * CELL;
+% if keyed:
+    keyed_t keyed;
+    open_keyed(&keyed, keyed_tables, item.slot, keyed_capacity);
+% endif
     for (ulong j = first; j < item.records; j += step) {
         const ulong k = me * launch->record_capacity + j;
         ending_record_t end;
@@ -44,9 +48,12 @@ __kernel void tally_stage(__global const launch_t *launch_buffer, __global const
         if (end.tag == UINT_MAX) count_escape(cells, launch, edges, &end);
 % endif
 % if "arrivals" in recorded:
-        if (end.tag != UINT_MAX) count_arrival(cells, ${"keyed, item.slot, keyed_capacity, " if keyed else ""}launch, codes, detector_numbers, edges, &end);
+        if (end.tag != UINT_MAX) count_arrival(cells, ${"&keyed, " if keyed else ""}launch, codes, detector_numbers, edges, &end);
 % endif
     }
+% if keyed:
+    settle_keyed(&keyed);
+% endif
     }
 }
 

@@ -511,6 +511,16 @@ MUTANTS = (
         {"keyed.first": "seen == 0 || seen > early"},
         trails.plate,
     ),
+    Mutant(
+        "of a run of one path the last ray is its example",
+        {"keyed.earliest": "early"},
+        trails.plate,
+    ),
+    Mutant(
+        "whatever follows a path is counted there",
+        {"keyed.other": "!keyed->key"},
+        trails.plate,
+    ),
     Mutant("a path forgets what it met", {"path_table.trail": "trail"}, trails.plate),
     Mutant(
         'points of a target drawn by area, without the cosine',

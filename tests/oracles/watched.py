@@ -21,13 +21,15 @@ from hostcode.program.plan import ExecutionPlan
 from hostcode.program.source import program_source
 from hostcode.run.paths import trace_paths
 from hostcode.run.probe import follow_rays, probe_faces
-from oracles.engine import compiled, open_device, trace_compiled
+from hostcode.run.wavefront import Engine
+from oracles.engine import compiled, open_device
 from photizon_cl.scene.files import load
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from hostcode.program.spec import ProgramSpec
+    from photizon_cl.scene.model import Scene
 
 PLATFORM: Final = "Oclgrind"
 
@@ -164,9 +166,9 @@ def every_kind(light: str = "") -> dict[str, Any]:
 class Case:
     """What is traced, and how.
 
-    Without the name of a scene it is that of every kind, of a `light` or of none. `broken` is what
-    stands at points of the kernels instead; `unset` is whether to look for values that were never
-    set.
+    Without the name of a scene it is that of every kind, of a `light` or of none. `paths` is how many
+    rows the detectors' path tables have, `broken` what stands at points of the kernels instead,
+    `unset` whether to look for values that were never set.
     """
 
     scene: str = ""
@@ -176,6 +178,7 @@ class Case:
     plan: dict[str, Any] = field(default_factory=dict)
     force: frozenset[str] = frozenset()
     by_ray: bool = False
+    paths: int = 0
     unset: bool = True
     broken: dict[str, str] = field(default_factory=dict)
 
@@ -193,6 +196,7 @@ CASES: Final[dict[str, Case]] = {
     "4 lanes": Case(LADDER, 2, plan={"lanes": 4}),
     "a kernel a path": Case(LADDER, 2, plan={"composition": "whole-path"}),
     "copies of the tally": Case("box-room", 8, 2, {"tally_copies": 2, "wave_rays": 16}),
+    "path tables": Case("cosine-fourth", 8, paths=9),
 }
 """What is watched in every run of the suite."""
 
@@ -213,6 +217,10 @@ MORE: Final[dict[str, Case]] = {
     "groups of 4": Case(SPHERE, 16, plan={"local_size": 4, "items": 8}),
     "stage by stage, 4 lanes": Case(LADDER, 8, plan={"composition": "classical", "lanes": 4}),
     "few steps a launch": Case(SPHERE, 8, plan={"max_bounces": 2}),
+    "every kind, path tables": Case(paths=9),
+    "path tables beside copies of the tally": Case(
+        LADDER, 8, plan={"tally_copies": 2}, paths=9
+    ),
     **{f"{name}": Case(name, 8) for name in (
         "cosine-fourth", "lambertian-sphere", SPHERE, LADDER, "cpc-concentrator", "box-room",
         "plano-convex-condenser", "baffled-tube", "square-lightpipe", "cassegrain",
@@ -232,6 +240,9 @@ BROKEN: Final[dict[str, Case]] = {
     "uses what was never set": Case(
         SPHERE, 8, broken={"cells.begin": "double never; const double s = 0.0 * never + "}
     ),
+    "looks at a path's cell without atomics": Case(
+        "cosine-fourth", 8, broken={"keyed.first": "entry[KEYED_FIRST] < early"}, paths=9
+    ),
 }  # fmt: skip
 """Kernels that must be reported, with what is wrong with them."""
 
@@ -246,12 +257,24 @@ def digest(name: str, device: Any = None) -> str:
     """Trace a case, or probe and follow its rays, and return a digest of what came out."""
     case = ALL[name]
     device = device or open_device()
-    scene = load(case.scene or every_kind(case.light))
+    scene = load(_tabled(load(case.scene or every_kind(case.light)), case.paths))
     made = compiled(scene, case.force, rays_per_batch=case.rays)
     if case.by_ray:
         return _digest(by_ray(device, made.tables, case.rays))
-    run = trace_compiled(made, case.batches, device=device, plan=_PLAN.with_(**case.plan))
-    return _digest(run.batches)
+    engine = Engine(device, made.tables, _PLAN.with_(**case.plan))
+    found: list[Any] = []
+    for batch in engine.run(0, case.batches):
+        found += [batch.cells, *(batch.keyed.arrays if batch.keyed else ())]
+    return _digest(found)
+
+
+def _tabled(scene: Scene, paths: int) -> dict[str, Any]:
+    """Return the tables of a scene whose detectors all have a path table of so many rows."""
+    made = scene.to_dict()
+    for element in made["element"] if paths else ():
+        if "detector" in element:
+            element["detector"]["paths"] = paths
+    return made
 
 
 def by_ray(device: Any, tables: Any, rays: int) -> list[Any]:

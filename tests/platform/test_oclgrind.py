@@ -87,8 +87,8 @@ def test_the_scene_has_every_kind():
     assert set(preset_names()) <= set(watched.MORE)
 
 
-BRIEFLY = ("every kind, through a tree",)
-"""The case that is looked at unless slow tests are asked for: the simulator takes its time."""
+BRIEFLY = ("every kind, through a tree", "path tables")
+"""What is looked at unless slow tests are asked for: the simulator takes its time."""
 
 
 @needs_oclgrind
@@ -115,6 +115,7 @@ SAID = {
     "writes beyond the tally": "Invalid write",
     "adds without atomics": "data race",
     "uses what was never set": "ninitialized",
+    "looks at a path's cell without atomics": "data race",
 }
 
 

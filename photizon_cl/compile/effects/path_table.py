@@ -61,12 +61,7 @@ class PathTable(Effect):
                 EndingField("ray_hi", "word", "p->ray_hi", "the same, high half"),
             ),
             templates=(("survive", "effects/path_table"), ("tally", "effects/path_counts")),
-            hooks=(
-                (
-                    "arrival",
-                    "count_path(keyed, slot, keyed_capacity, codes, launch, which, end);",
-                ),
-            ),
+            hooks=(("arrival", "count_path(keyed, codes, launch, which, end);"),),
             launch=tuple(launch),
             libraries=("lib/trail_key",),
             events=True,
