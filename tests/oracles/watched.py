@@ -166,9 +166,9 @@ def every_kind(light: str = "") -> dict[str, Any]:
 class Case:
     """What is traced, and how.
 
-    Without the name of a scene it is that of every kind, of a `light` or of none. `paths` is how many
-    rows the detectors' path tables have, `broken` what stands at points of the kernels instead,
-    `unset` whether to look for values that were never set.
+    Without the name of a scene it is that of every kind, of a `light` or of none. `paths` is how
+    many rows the detectors' path tables have, `broken` what stands at points of the kernels
+    instead, `unset` whether to look for values that were never set.
     """
 
     scene: str = ""
