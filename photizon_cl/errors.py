@@ -71,6 +71,11 @@ class Problem:
         return replace(self, path=join(prefix, self.path))
 
 
+def counted(n: int, what: str) -> str:
+    """Return a number of things: ``one number``, ``3 numbers``."""
+    return f"one {what}" if n == 1 else f"{n} {what}s"
+
+
 class PhotizonError(Exception):
     """Base of every error that photizon_cl raises on purpose."""
 

@@ -53,6 +53,7 @@ def _groups() -> dict[str, Group]:
     from photizon_cl.scene.registry import (
         COATINGS,
         DETECTORS,
+        DISPERSIONS,
         ELEMENTS,
         MEDIA,
         SCATTERS,
@@ -68,6 +69,7 @@ def _groups() -> dict[str, Group]:
         COATINGS,
         DETECTORS,
         MEDIA,
+        DISPERSIONS,
     )
     return {next(iter(group.values())).label: group for group in groups}
 

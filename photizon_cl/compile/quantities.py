@@ -12,6 +12,7 @@ are quoted where they need it, as in TOML: ``ledger.absorbed."wall -x"``.
 from __future__ import annotations
 
 import difflib
+from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 from photizon_cl.compile.layout import Quantity
@@ -93,6 +94,15 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
         )
     if any(isinstance(part, int) for part in parts[:3]):  # objects have names here
         parts = []
+    if parts[-1:] == [BY_LINE]:
+        whole = None
+        with suppress(ArgumentError):  # an element or a medium may be called so
+            whole = quantity_of(name.rpartition(".")[0], scene, layout)
+        if whole is not None:
+            raise ArgumentError(
+                f"quantity: found {show(name)}, expected one line or band of it: "
+                f"{whole.name}.{BY_LINE}[i], with i from 0"
+            )
     line = None
     if len(parts) > 2 and parts[-2] == BY_LINE and isinstance(parts[-1], int):
         line, parts = parts[-1], parts[:-2]
@@ -210,7 +220,10 @@ def _of_detector(
     if len(parts) == 4 and parts[2] == "ladder" and isinstance(parts[3], int):
         _check_generation(name, parts[3], d)
         return Quantity(f"{stem}.ladder[{parts[3]}]{by}", first("ladder", d.ladder) + parts[3])
-    raise ArgumentError(f"quantity: found {show(name)}, expected {stem}.power, .ladder[g] or .map")
+    raise ArgumentError(
+        f"quantity: found {show(name)}, expected {stem}.power, .ladder[g] or .map, or one line or "
+        f"band of one: .{BY_LINE}[i]"
+    )
 
 
 def _check_generation(name: str, generation: int, d: DetectorCells) -> None:

@@ -27,6 +27,7 @@ from photizon_cl.result.maps import DetectorResult
 from photizon_cl.result.stopping import Goal, achieved_sigma, relative_sigma
 from photizon_cl.result.tallies import EffectTally, effect_tallies
 from photizon_cl.scene.names import Table
+from photizon_cl.scene.spectrum import Spectrum
 from photizon_cl.version import __version__
 
 if TYPE_CHECKING:
@@ -412,6 +413,7 @@ class Estimates:
             "lit_fraction": self.lit_fraction,
             "stopped": info.stopped or None,
             "tally_digest": self.tally_digest,
+            **self._spectrum_summary(),
             "ledger": self.ledger.summary(),
             **self.counts,
             "detectors": {name: d.summary() for name, d in self.detectors.items()},
@@ -420,6 +422,11 @@ class Estimates:
             "checks": {name: checks.summary() for name, checks in self.checks.items()},
             "advisories": list(self.advisories),
         }
+
+    def _spectrum_summary(self) -> dict[str, Any]:
+        """Return what the members of every list ``by_wavelength`` are, as the scene has them."""
+        spectrum = self.scene.spectrum
+        return {} if spectrum is None else {Spectrum.label: spectrum.to_table()}
 
     def _tallies_summary(self) -> dict[str, Any]:
         if not self.tallies:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from hostcode.device.memory import Room
     from hostcode.program.plan import ExecutionPlan
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.compile.layout import DetectorCells
     from photizon_cl.result.estimates import Estimates
     from photizon_cl.result.statistics import Accumulator
 
@@ -248,9 +249,9 @@ def _advice(compiled: CompiledScene, part: str) -> str:
         return f"take fewer batches of more rays (run.rays_per_batch is {rays})"
     if part == "scene":
         return f"take fewer elements (there are {len(scene.element)})"
-    maps = sorted((d for d in layout.detectors if d.nx), key=lambda d: -d.nx * d.ny)
+    maps = sorted((d for d in layout.detectors if d.nx), key=lambda d: -_map_cells(d))
     far = layout.n_mu * layout.n_phi
-    if far and (not maps or far >= maps[0].nx * maps[0].ny):
+    if far and (not maps or far >= _map_cells(maps[0])):
         assert scene.far_field is not None
         found = f"they are {layout.n_mu} and {layout.n_phi}"
         text = f"lower {scene.far_field.rows_by} and far_field.n_phi ({found}"
@@ -261,11 +262,23 @@ def _advice(compiled: CompiledScene, part: str) -> str:
             f"take fewer bins in element[{d.element}].detector.map of "
             f"{show(scene.element[d.element].name)} (it is [{d.nx}, {d.ny}]"
         )
+        if d.wavelengths:
+            text += f", {1 + d.wavelengths} times by its wavelengths = true"
         more = len(maps) - 1
     else:
-        return f"take fewer elements and detectors ({layout.n_cells} quantities are counted)"
-    bins = sum(d.nx * d.ny for d in maps) + far
+        lines = ""
+        if scene.spectrum is not None:
+            told = any(d.wavelengths for d in layout.detectors)
+            lines = f", or {scene.spectrum.word}s (there are {scene.spectrum.n})"
+            lines += ", or leave out wavelengths = true" if told else ""
+        return f"take fewer elements and detectors{lines} ({layout.n_cells} quantities are counted)"
+    bins = sum(map(_map_cells, maps)) + far
     return text + (f"; with {more} other maps {bins} bins)" if more else ")")
+
+
+def _map_cells(d: DetectorCells) -> int:
+    """Return the cells of a detector's map, and of those of each line."""
+    return d.nx * d.ny * (1 + d.wavelengths)
 
 
 def check_memory(

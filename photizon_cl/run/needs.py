@@ -185,7 +185,7 @@ def _values(layout: TallyLayout, batches: int) -> int:
 
 def array_sizes(layout: TallyLayout) -> dict[str, int]:
     """Return what the arrays of a result take, by what they are of."""
-    maps = sum(d.nx * d.ny for d in layout.detectors)
+    maps = sum(d.nx * d.ny * (1 + d.wavelengths) for d in layout.detectors)
     return {"detectors": _MAP_BIN * maps, "far_field": _FAR_BIN * layout.n_mu * layout.n_phi}
 
 

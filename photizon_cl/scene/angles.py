@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from photizon_cl.errors import Problem
+from photizon_cl.errors import Problem, counted
 from photizon_cl.scene.curves import Curve, NumberOrCurve
 from photizon_cl.scene.described import REQUIRED, Accepts, Described
 from photizon_cl.scene.number_lists import Ascending
@@ -39,7 +39,7 @@ def angles(meaning: str, *, least: int) -> dict[str, Parameter]:
 def lengths_agree(known: Known, *items: str) -> list[Problem]:
     """Return the problems of a table that has not one value for each angle."""
     nodes = known.get("angle_deg")
-    expected = f"{len(nodes)} numbers, one for each angle"
+    expected = f"{counted(len(nodes), 'number')}, one for each angle"
     return [
         Problem(item, f"{len(values)} of them", expected)
         for item in items

@@ -50,7 +50,8 @@ class Ascending(Parameter):
 
     @property
     def expected(self) -> str:  # noqa: D102
-        return f"{self._least} to {self._most} ascending {self._what}, {self._range}"
+        number = f"{self._least} to {self._most}" if self._least < self._most else f"{self._least}"
+        return f"{number} ascending {self._what}, {self._range}"
 
     def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
         to_list = getattr(value, "tolist", None)  # a numpy array

@@ -29,6 +29,7 @@ from photizon_cl.scene.filters.along import Along as _Along
 from photizon_cl.scene.filters.azimuth import Azimuth as _Azimuth
 from photizon_cl.scene.filters.generation import Generation as _Generation
 from photizon_cl.scene.filters.wavelength import Wavelength as _Wavelength
+from photizon_cl.scene.media.dispersion import DISPERSIONS as DISPERSIONS
 from photizon_cl.scene.media.medium import Medium as _Medium
 from photizon_cl.scene.scatters.abg import AbgScatter as AbgScatter
 from photizon_cl.scene.scatters.gaussian import GaussianScatter as GaussianScatter

@@ -6,7 +6,7 @@ from bisect import bisect_right
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
-from photizon_cl.errors import Problem, join, show
+from photizon_cl.errors import Problem, counted, join, show
 from photizon_cl.scene.curves import BoundedCurve
 from photizon_cl.scene.described import Described, Known, parameters_of
 from photizon_cl.scene.media.catalogue import known_glass
@@ -59,7 +59,7 @@ def spectral_problems(known: Known, groups: Sequence[str]) -> list[Problem]:
             listed = parameter.needs_spectrum and isinstance(value, tuple)
             if listed and len(value) != n:
                 what = "band" if bands else "line"
-                expected = f"{n} numbers, one for each {what} of [spectrum]"
+                expected = f"{counted(n, 'number')}, one for each {what} of [spectrum]"
                 problems.append(Problem(join(path, item), f"{len(value)} of them", expected))
             if item == "glass" and value is not None and thing.get("dispersion") is None:
                 value = known_glass(value)

@@ -19,7 +19,9 @@ from photizon_cl.errors import show
 from photizon_cl.scene.described import Described, parameters_of, shown_default
 from photizon_cl.scene.presets import preset_path, presets
 from photizon_cl.scene.registry import (
+    COATINGS,
     DETECTORS,
+    DISPERSIONS,
     ELEMENTS,
     MEDIA,
     SCATTERS,
@@ -345,7 +347,7 @@ def test_a_scenes_advisories_stand_before_the_run(run, tmp_path):
     assert run("run", tmp_path / "dark.toml", "--batches", "2", "--json")[2] == ""
 
 
-GROUPS = (SOURCES, ELEMENTS, SURFACES, SCATTERS, DETECTORS, MEDIA)
+GROUPS = (SOURCES, ELEMENTS, SURFACES, SCATTERS, COATINGS, DETECTORS, MEDIA, DISPERSIONS)
 
 
 def test_kinds_lists_all_that_a_scene_can_hold(run):

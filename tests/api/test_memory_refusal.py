@@ -87,6 +87,21 @@ def test_a_device_that_cannot_hold_it_is_told():
     assert line.startswith("the device's buffers take 540 MB, most of it the tally of a batch")
 
 
+def test_wavelengths_are_told_where_they_are_what_takes_it(limited):
+    """A map of a few bins is one for each line; without maps the ledger's rows are."""
+    many = {"wavelengths_nm": [400.0 + k / 4 for k in range(1024)]}
+    made, record, plan = parts(scene(256).replace({"spectrum": many}))
+    assert refusal(made, Needs.of(made, record, plan), record, Room(GB, GB, "here")) == ""
+    told = made.scene.replace({'element."plate 0".detector.wavelengths': True})
+    made, record, plan = parts(told)
+    line = refusal(made, Needs.of(made, record, plan), record, Room(GB, GB, "here"))
+    assert "(it is [256, 256], 1025 times by its wavelengths = true)" in line
+    # each line's map is an array of its own
+    limited(GB)
+    with pytest.raises(pz.RunError, match="wavelengths = true"):
+        pz.trace(told, batches=1)
+
+
 def test_rays_are_told_where_they_are_the_largest_part():
     made, record, plan = parts(endless("trapped in glass", 1 << 20))
     plan = plan.with_(composition="whole-path", lanes=1, wave_rays=1 << 20)

@@ -66,6 +66,7 @@ def glass(name: str) -> pz.Medium:
 def test_formulas_and_tables_are_read(shelf):
     bk7 = pz.Sellmeier(B=spectra.N_BK7["B"], C_um2=spectra.N_BK7["C_um2"], range_nm=[300, 2500])
     assert glass("N-BK7").dispersion == glass("schott n-bk7").dispersion == bk7
+    assert glass(" N-BK7\t") == glass("N-BK7")  # as it is copied from a list
     um = 0.5876
     assert glass("CDGM F2").index_at(587.6) == pytest.approx(
         (2.25 - 0.01 * um**2 + 0.01 / um**2 + 0.0005 / um**4) ** 0.5, rel=1e-15

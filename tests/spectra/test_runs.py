@@ -84,6 +84,45 @@ def test_paths_tell_what_a_batch_does_and_of_which_line_each_ray_is(result, ligh
     assert {(ray.line, ray.wavelength_nm) for ray in plain} == {(None, None)}
 
 
+def test_the_summary_says_which_wavelengths_its_lists_are_of(result):
+    summary = result.summary()
+    assert summary["spectrum"] == {"wavelengths_nm": [425.0, 500.0, 550.0, 650.0]}
+    assert len(summary["ledger"]["escaped"]["by_wavelength"]) == 4
+    bands = result.scene.replace({"spectrum": {"edges_nm": [420.0, 450.0, 520.0, 600.0, 660.0]}})
+    summary = pz.trace(bands, batches=1, rays_per_batch=16).summary()
+    assert summary["spectrum"] == {"edges_nm": [420.0, 450.0, 520.0, 600.0, 660.0]}
+    assert json.loads(json.dumps(summary))["spectrum"] == summary["spectrum"]
+    assert "spectrum" not in pz.trace("cosine-fourth", batches=1, rays_per_batch=16).summary()
+
+
+def test_a_quantity_of_no_line_says_how_one_is_named(result):
+    name = 'detectors."element 3".power'
+    for asked, whole in (
+        (f"{name}.by_wavelength", name), ("ledger.escaped.by_wavelength", "ledger.escaped"),
+        (f"{name[:-6]}.map.by_wavelength", f"{name[:-6]}.map"),
+        ("ledger.absorbed_in.dye.by_wavelength", "ledger.absorbed_in.dye"),
+    ):  # fmt: skip
+        with pytest.raises(pz.ArgumentError) as caught:
+            result.quantity(asked)
+        assert f"{whole}.by_wavelength[i]" in str(caught.value)
+    with pytest.raises(pz.ArgumentError, match=r"or one line or band of one: .by_wavelength\[i\]"):
+        result.quantity('detectors."element 3".by_wavelength')
+    with pytest.raises(pz.SceneError, match=r"run.target_on.*by_wavelength\[i\]"):
+        pz.trace(result.scene, batches=1, target_on=["ledger.escaped.by_wavelength"])
+
+
+def test_the_report_counts_no_spectrum_that_is_there_among_what_is_not(result):
+    from photizon_cl.views.report.claims import _physics
+
+    text = " ".join(map(str, _physics(result)))
+    assert "<strong>No polarisation.</strong> Light is of 4 lines, 425 … 650 nm, and of " in text
+    assert "What lies in dye absorbs by Beer and Lambert's law" in text
+    plain = pz.trace("cosine-fourth", batches=1, rays_per_batch=16)
+    assert "<strong>No spectrum, no polarisation, no bulk absorption.</strong> One set" in " ".join(
+        map(str, _physics(plain))
+    )
+
+
 def test_files_have_it_and_a_run_goes_on(result, tmp_path):
     result.save(tmp_path / "out")
     again = pz.open_result(tmp_path / "out")

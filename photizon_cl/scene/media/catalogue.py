@@ -13,7 +13,7 @@ from decimal import Decimal
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.limits import MOST_CHARACTERS
@@ -34,6 +34,10 @@ class Glass(Name):
     @property
     def expected(self) -> str:  # noqa: D102
         return 'the name of a glass, such as "N-BK7" or "SCHOTT N-BK7"'
+
+    def read(self, value: object, path: str, problems: list[Problem]) -> Any:  # noqa: D102
+        # as it is copied from a list
+        return super().read(value.strip() if isinstance(value, str) else value, path, problems)
 
 
 def glass_name(meaning: str) -> dict[str, Parameter]:

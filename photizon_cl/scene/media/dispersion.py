@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from photizon_cl.errors import ArgumentError, Problem, show
+from photizon_cl.errors import ArgumentError, Problem, counted, show
 from photizon_cl.scene.curves import (
     OverWavelength,
     ascending_nm,
@@ -16,7 +16,8 @@ from photizon_cl.scene.curves import (
     nodes,
     wavelength,
 )
-from photizon_cl.scene.described import ABSENT, REQUIRED, Accepts
+from photizon_cl.scene.described import ABSENT, REQUIRED, Accepts, parameters_of
+from photizon_cl.scene.number_lists import Ascending
 from photizon_cl.scene.parameters import (
     LARGEST,
     Integer,
@@ -164,7 +165,7 @@ class Sellmeier(Dispersion):
             if values is not None and not 1 <= len(values) <= 8
         ]
         if not problems and b is not None and c is not None and len(b) != len(c):
-            expected = f"{len(b)} numbers, one for each of B"
+            expected = f"{counted(len(b), 'number')}, one for each of B"
             problems.append(Problem("C_um2", f"{len(c)} of them", expected))
         return problems
 
@@ -267,7 +268,7 @@ class Polynomial(Dispersion):
             return [Problem("coefficients", f"{len(c)} of them", "1 to 16 numbers")]
         if c is None or p is None or len(c) == len(p):
             return []
-        expected = f"{len(c)} integers, one for each coefficient"
+        expected = f"{counted(len(c), 'integer')}, one for each coefficient"
         return [Problem("powers", f"{len(p)} of them", expected)]
 
     def _given(self, nm: float) -> float:
@@ -334,11 +335,8 @@ class DispersionParameter(Parameter):
 
     @property
     def expected(self) -> str:
-        return (
-            '{ kind = "sellmeier", B = [..], C_um2 = [..] }, { kind = "cauchy", A, B_um2, C_um4 }, '
-            '{ kind = "table", wavelength_nm = [..], index = [..] } or { kind = "polynomial", '
-            "coefficients = [..], powers = [..] }"
-        )
+        *most, last = (_form(cls) for cls in DISPERSIONS.values())
+        return f"{', '.join(most)} or {last}"
 
     def read(self, value: object, path: str, problems: list[Problem]) -> Any:
         if isinstance(value, Dispersion):
@@ -346,6 +344,15 @@ class DispersionParameter(Parameter):
         if isinstance(value, Mapping):
             return read_whole(DISPERSIONS, value, path, problems, "the dispersion")
         return self.refuse(value, path, problems)
+
+
+def _form(cls: type[Dispersion]) -> str:
+    """Return one of the forms as a table of a file, with its keys."""
+    keys = (
+        f"{name} = [..]" if isinstance(parameter, Numbers | Ascending) else name
+        for name, parameter in parameters_of(cls).items()
+    )
+    return f"{{ {', '.join((f'kind = {show(cls.kind)}', *keys))} }}"
 
 
 def dispersion(meaning: str) -> dict[str, Parameter]:

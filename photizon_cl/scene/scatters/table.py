@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
-from photizon_cl.errors import Problem, show
+from photizon_cl.errors import Problem, counted, show
 from photizon_cl.scene.number_lists import Ascending
 from photizon_cl.scene.parameters import Number, Numbers, declare
 from photizon_cl.scene.rows import NO_ROW, Row
@@ -82,7 +82,7 @@ class TableScatter(Scatter):
         if delta is None or values is None:
             return []
         if len(delta) != len(values):
-            expected = f"{len(delta)} numbers, one for each delta"
+            expected = f"{counted(len(delta), 'number')}, one for each delta"
             return [Problem("bsdf_per_sr", f"{len(values)} of them", expected)]
         if delta[-1] == 0.0:
             hint = "beyond the last node nothing is scattered"

@@ -137,30 +137,31 @@ def _physics(result: Estimates) -> Iterator[Markup]:
     surfaces = [s for element in result.scene.element for s in element.surfaces]
     refracts = any(surface.refracts for surface in surfaces)
     spectrum, polarised = result.scene.spectrum, result.scene.run.polarisation
-    lack, constants = "No spectrum", "One set of optical constants holds for the whole run."
-    if spectrum is not None:
-        lack = "A given spectrum"
+    lacks = [] if polarised else ["no polarisation"]
+    constants = "One set of optical constants holds for the whole run."
+    if spectrum is None:
+        lacks.insert(0, "no spectrum")
+    else:
         beside = "nothing between them" if spectrum.edges_nm is None else "nothing beside them"
         constants = f"Light is of {spectrum.about}, and of {beside}."
-    without = lack if polarised else f"{lack}, no polarisation"
     light = "by the polarisation of what comes" if polarised else "as for unpolarised light"
     glass = f" Glass reflects and refracts {light}" if refracts else ""
     coated = any(surface.refracts and surface.coat is not None for surface in surfaces)
     if coated:
         glass += ", coated faces as their coatings say, within which alone films interfere"
+    inside = Markup()
     absorbing = [medium.name for medium in result.scene.medium if medium.absorbs]
     if absorbing:
         glass += "." if glass else ""
-        yield Markup(
-            "<strong>{}.</strong> {}{} What lies in {} absorbs by Beer and Lambert's law and "
-            "scatters nothing."
-        ).format(without, constants, glass, ", ".join(absorbing))
+        inside = Markup(
+            " What lies in {} absorbs by Beer and Lambert's law and scatters nothing."
+        ).format(", ".join(absorbing))
     else:
+        lacks.append("no bulk absorption")
         nothing = "; but for those it absorbs nothing." if coated else " and absorbs nothing."
         glass += nothing if glass else ""
-        yield Markup("<strong>{}, no bulk absorption.</strong> {}{}").format(
-            without, constants, glass
-        )
+    without = ", ".join(lacks).capitalize() or "Media by their constants"
+    yield Markup("<strong>{}.</strong> {}{}{}").format(without, constants, glass, inside)
     yield Markup(
         "<strong>Ideal surfaces and exact shapes.</strong> {}, without measured scatter, roughness "
         "or dust; shapes without tolerances or mounts."
