@@ -203,6 +203,7 @@ ALLOWED = {
     "lib/directions.mako": {"0x1.45f306dc9c883p-2"},  # 1/pi per steradian
 }
 COEFFICIENTS = {
+    "lib/angles.mako",
     "lib/elementary.mako",
     "lib/powers.mako",
     "lib/philox.mako",

@@ -599,6 +599,11 @@ MUTANTS = (
         brewster.plate_by_its_parts,
     ),
     Mutant(
+        "the mean reflectance of films, however light is polarised",
+        {"stack.polarised": "R(0.5) * (reflected_part(&s) + reflected_part(&p))"},
+        polarised.coated_chain,
+    ),
+    Mutant(
         "what s and p transmit is swapped",
         {"fresnel.transmits": "a, b"},
         brewster.plate_by_its_parts,

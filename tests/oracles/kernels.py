@@ -35,6 +35,7 @@ def library_text(
         "effects": effects,
         "private_tallies": False,
         "ending_fields": BASE_ENDING,
+        "ending_word": (),
     }
     return "".join(render(f"{name}.mako", **context) for name in names)
 

@@ -343,6 +343,33 @@ def chain(
     return bench(steps, told, more=more)
 
 
+GREEN = {"spectrum": {"wavelengths_nm": [550.0]}}
+COATINGS: tuple[dict[str, Any], ...] = (
+    {"kind": "stack", "layers": [{"index": 1.38, "thickness_nm": 99.6}]},
+    {"kind": "fixed", "reflectance": 0.3, "transmittance": 0.6},
+    {
+        "kind": "stack",
+        "layers": [
+            {"index": 2.3, "thickness_nm": 130.0},
+            {"index": 1.46, "thickness_nm": 210.0},
+            {"index": 0.9, "extinction": 0.8, "thickness_nm": 20.0},
+        ],
+    },
+    {
+        "kind": "table", "angle_deg": [0.0, 50.0, 90.0], "reflectance": [0.1, 0.3, 0.9],
+        "transmittance": [0.8, 0.6, 0.0],
+    },
+)  # fmt: skip
+
+
+def coated_chain(seed: int = 0) -> None:
+    """Every weight along a chain of coated faces is that of their own amplitudes."""
+    told = ({"degree": 1.0, "angle_deg": 30.0}, {"degree": 0.4, "angle_deg": -70.0})
+    found = replay(chain(seed, 9, told[seed % 2], COATINGS, **GREEN), 1)
+    assert found["r"] + found["i"] >= 3
+    assert found["difference"] < CLOSE
+
+
 def room(**run: Any) -> pz.Scene:
     """Return a closed box of flat elements, every surface, and lamps that shine everywhere."""
     lobe = {"kind": "gaussian", "sigma": 0.2, "tis": 0.3}

@@ -172,12 +172,12 @@ class Case:
     """
 
     scene: str = ""
-    light: str = ""
     rays: int = 14
     batches: int = 1
     plan: dict[str, Any] = field(default_factory=dict)
     force: frozenset[str] = frozenset()
     by_ray: bool = False
+    light: str = ""
     paths: int = 0
     unset: bool = True
     broken: dict[str, str] = field(default_factory=dict)

@@ -46,7 +46,8 @@ LEFT = {
         "photizon_cl/studies/knobs.py",
     },
     "importance": {"photizon_cl/scene/importance.py"},
-    "spectrum": {"photizon_cl/scene/spectrum.py"},
+    # a key of sources has its name
+    "spectrum": {"photizon_cl/run/pilot.py", "photizon_cl/scene/spectrum.py"},
     "polarisation": {"photizon_cl/result/recipe.py", "photizon_cl/scene/polarisation.py"},
     "roulette": {
         "photizon_cl/result/ledger.py", "photizon_cl/result/paths.py",

@@ -43,7 +43,7 @@ BAD = {
         "measure, title, notes (did you mean measure?)"),
         ("run.bathces: found 3, expected no such key; the run table of a sweep takes seed, "
         "rays_per_batch, target_sigma, max_seconds, generation_cap, roulette_floor, splitting, "
-        "target_on, effects, batches, precision (did you mean batches?)"),
+        "polarisation, target_on, effects, batches, precision (did you mean batches?)"),
         ("vary[0].valeus: found 1, expected no such key; a vary table takes path, values, "
         "linspace, logspace, together, name (did you mean values?)"),
     ),
