@@ -514,7 +514,7 @@ MUTANTS = (
     Mutant(
         "of a run of one path the last ray is its example",
         {"keyed.earliest": "early"},
-        trails.plate,
+        trails.beam,
     ),
     Mutant(
         "whatever follows a path is counted there",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from hostcode.run.trails import follow_trails
@@ -14,7 +16,7 @@ from photizon_cl.scene.files import load
 R = (0.5 / 2.5) ** 2
 
 
-def _scene(rays: int) -> dict[str, object]:
+def _scene(rays: int) -> dict[str, Any]:
     def sheet(name: str, z: float, axis: str) -> dict[str, object]:
         return {
             "name": name, "kind": "disk", "position": [0, 0, z], "axis": axis, "radius": 0.5,
@@ -37,6 +39,17 @@ def _scene(rays: int) -> dict[str, object]:
             },
         ],
     }  # fmt: skip
+
+
+def beam(rays: int = 64) -> None:
+    """Assert that rays with nothing in their way have one path, shown by the first of them."""
+    tables = _scene(rays)
+    made = compiled(load({**tables, "element": tables["element"][-1:]}), rays_per_batch=rays)
+    (batch,) = Engine(open_device(), made.tables, PLAN).run(1, 1)
+    found = batch.keyed
+    assert found is not None
+    assert found.first.tolist() == [rays]  # of batch 1
+    assert found.rows[:, 3].tolist() == [rays]
 
 
 def plate(rays: int = 64) -> None:
