@@ -76,6 +76,11 @@ def counted(n: int, what: str) -> str:
     return f"one {what}" if n == 1 else f"{n} {what}s"
 
 
+def with_article(kind: str) -> str:
+    """Return a kind with its article: ``a disk``, ``an isotropic-point``."""
+    return f"{'an' if kind[:1] in 'aeiou' else 'a'} {kind}"
+
+
 class PhotizonError(Exception):
     """Base of every error that photizon_cl raises on purpose."""
 

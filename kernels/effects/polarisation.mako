@@ -151,6 +151,7 @@ FN real launched_light(const launch_t *launch, const scene_t *scene, wide ray, r
         __global const double *source = scene->sources + n * SOURCE_STRIDE;
         __global const double *own = scene->geometry + launch->polarisation + n * ${counts["polarised_numbers"]};
         const mask k = MASK_OF(IGE(ray, (wide)(source[SOURCE_FIRST_RAY])) & ILT(ray, (wide)(source[SOURCE_END_RAY])));
+        if (!ANY(k)) continue;
         real a, b, cosine, sine;
         across(x, y, z, splat(own[POLARISED_UX]), splat(own[POLARISED_UY]), splat(own[POLARISED_UZ]), &a, &b);
         twice_the_angle(a, b, &cosine, &sine);

@@ -93,7 +93,7 @@ def sweep_line(now: SweepProgress) -> str:
     doing = printable(now.doing)
     if now.number < 0:
         return doing
-    done = f"{now.done} of {now.points} points done"
+    done = f"{now.done} of {now.points} point{'s' * (now.points != 1)} done"
     point = f"point {now.number}: {doing}"
     if now.point is not None:
         sigma = now.point.achieved_sigma

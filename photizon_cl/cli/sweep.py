@@ -184,7 +184,7 @@ def _shorts(found: Sweep) -> list[str]:
 def _about(found: Sweep) -> str:
     """Return how many points there are, of what, in how many programs."""
     done = [point for point in found.points if point.done]
-    points = f"{len(found)} points of {found.plan.scene.name}"
+    points = f"{len(found)} point{'s' * (len(found) != 1)} of {found.plan.scene.name}"
     if len(found.plan.shape) > 1:
         points += f" ({' × '.join(map(str, found.plan.shape))})"
     seeds = sorted({point.seed for point in done})

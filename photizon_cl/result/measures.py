@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.compile.quantities import quantity_of, scalars
-from photizon_cl.errors import ArgumentError, Problem, ResultError, join, key, show
+from photizon_cl.errors import ArgumentError, Problem, ResultError, join, key, show, with_article
 from photizon_cl.result.comparison import error_of_mean
 from photizon_cl.scene.parameter_paths import quoted
 from photizon_cl.scene.registry import ELEMENTS, SOURCES
@@ -187,9 +187,9 @@ class Pst(Measure):
         beams = ", ".join(kind for kind, cls in SOURCES.items() if cls.is_beam)
         if source.beam_area is None:
             raise ArgumentError(
-                f"source: found {show(self.source)}, a {source.kind}, expected a source with a "
-                f"beam ({beams}): the light of others has no cross-section of its own to be "
-                "normalised by"
+                f"source: found {show(self.source)}, {with_article(source.kind)}, expected a "
+                f"source with a beam ({beams}): the light of others has no cross-section of its "
+                "own to be normalised by"
             )
         others = [s.name for s in scene.source if s.name != self.source]
         if others:
@@ -202,8 +202,8 @@ class Pst(Measure):
         if not element.has_map:
             kinds = ", ".join(kind for kind, cls in ELEMENTS.items() if cls.has_map)
             raise ArgumentError(
-                f"pst: found {show(self.detector)}, a {element.kind}, expected a detector with an "
-                f"irradiance ({kinds})"
+                f"pst: found {show(self.detector)}, {with_article(element.kind)}, expected a "
+                f"detector with an irradiance ({kinds})"
             )
 
     def _power(self, scene: Scene) -> str:

@@ -246,7 +246,11 @@ class _Way:
             if part >= len(listed):
                 raise self.fail(f"[{part}]", f"a number below {len(listed)}, counted from 0")
             return part
-        names = [item.get("name") for item in listed if isinstance(item, dict)]
+        names = [
+            item["name"]
+            for item in listed
+            if isinstance(item, dict) and item.get("name") is not None
+        ]
         if len(names) < len(listed):
             raise self.fail(show(part), f"a number in brackets, [0] to [{len(listed) - 1}]")
         if part not in names:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
@@ -33,7 +34,7 @@ def spectral_problems(known: Known, groups: Sequence[str]) -> list[Problem]:
         Keys of its lists of objects.
     """
     things = [
-        (f"{group}[{i}]", thing)
+        (f"{group}[{i}]", thing, f"{group} {show(thing.get('name'))}")
         for group in groups
         for i, thing in enumerate(known.get(group) or ())
         if thing is not None
@@ -42,8 +43,8 @@ def spectral_problems(known: Known, groups: Sequence[str]) -> list[Problem]:
     if spectrum is None:
         hint = "what depends on wavelength needs it: [spectrum] wavelengths_nm = [..]"
         return [
-            Problem(where, _shown(value), "the table [spectrum] in the scene", hint=hint)
-            for path, thing in things
+            Problem(where, _shown(value), "the table [spectrum] in the scene", None, hint, owner)
+            for path, thing, owner in things
             for where, value in _dependent(thing, path)
         ]
     key = next((k for k in ("wavelengths_nm", "edges_nm") if spectrum.get(k) is not None), None)
@@ -52,15 +53,18 @@ def spectral_problems(known: Known, groups: Sequence[str]) -> list[Problem]:
     wavelengths, bands = spectrum.get(key), key == "edges_nm"
     n = len(wavelengths) - bands
     problems: list[Problem] = []
-    for path, thing in things:
-        problems += _outside(thing, path, wavelengths)
+    for path, thing, owner in things:
+        problems += [
+            replace(problem, owner=owner) for problem in _outside(thing, path, wavelengths)
+        ]
         for item, parameter in parameters_of(thing.cls).items():
             value = thing.get(item)
             listed = parameter.needs_spectrum and isinstance(value, tuple)
             if listed and len(value) != n:
                 what = "band" if bands else "line"
                 expected = f"{counted(n, 'number')}, one for each {what} of [spectrum]"
-                problems.append(Problem(join(path, item), f"{len(value)} of them", expected))
+                found = f"{len(value)} of them"
+                problems.append(Problem(join(path, item), found, expected, owner=owner))
             if item == "glass" and value is not None and thing.get("dispersion") is None:
                 value = known_glass(value)
             if hasattr(value, "fault"):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from photizon_cl.errors import Problem, show
+from photizon_cl.errors import Problem, show, with_article
 from photizon_cl.scene.described import Described, Known, Nested, parameters_of
 from photizon_cl.scene.detectors import Detector
 from photizon_cl.scene.frames import Frame, Vec3, frame, to_local
@@ -135,7 +135,7 @@ class Element(Described):
                 Problem(
                     "detector",
                     show(given),
-                    f"no detector on a {optics.kind} surface",
+                    f"no detector on {with_article(optics.kind)} surface",
                     hint="a detector counts what ends on a surface, or passes it, and this one "
                     "sends a part of what arrives back or aside; take one that carries a detector: "
                     f"{' or '.join(_counting())}",
@@ -152,8 +152,9 @@ class Element(Described):
             own = known.get(name)
             if own is not None and own.kind and not own.cls.carries_detector:
                 hint = (
-                    f"a detector counts what arrives at all faces of a {cls.kind}, and this one "
-                    f"sends it on; take one that carries a detector: {' or '.join(_counting())}"
+                    f"a detector counts what arrives at all faces of {with_article(cls.kind)}, and "
+                    "this one sends it on; take one that carries a detector: "
+                    f"{' or '.join(_counting())}"
                 )
                 expected = f"no {own.kind} surface beside a detector"
                 problems.append(Problem(f"{name}.kind", show(own.kind), expected, hint=hint))
@@ -169,7 +170,7 @@ class Element(Described):
                     "detector.side",
                     show(side),
                     f"one of {show(sides[0])} {show(sides[1])}",
-                    hint=f"a {cls.kind} is {body}",
+                    hint=f"{with_article(cls.kind)} is {body}",
                 )
             )
         if not cls.has_map and detector.get("map") is not None:
@@ -177,7 +178,7 @@ class Element(Described):
                 Problem(
                     "detector.map",
                     show(detector.get("map")),
-                    f"no map on a {cls.kind}",
+                    f"no map on {with_article(cls.kind)}",
                     hint="its bins would have no exact areas; leave the map out, or put a flat "
                     "element where it is wanted",
                 )
@@ -304,7 +305,7 @@ class Element(Described):
 
     def map_bins(self, nx: int, ny: int) -> MapBins:
         """Return the bins of a map with nx columns and ny rows; only those with `has_map` do."""
-        raise NotImplementedError(f"no map on a {self.kind}")
+        raise NotImplementedError(f"no map on {with_article(self.kind)}")
 
     @property
     @abstractmethod
