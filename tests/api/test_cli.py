@@ -29,6 +29,8 @@ from photizon_cl.scene.registry import (
     SURFACES,
 )
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 RUN = ["run", "box-room", "--batches", "2", "--rays-per-batch", "1024"]
 
 

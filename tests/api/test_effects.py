@@ -21,6 +21,8 @@ from photizon_cl.scene.presets import preset_names
 from photizon_cl.studies import effects as listing
 from photizon_cl.studies import pricing
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 NARROW = ExecutionPlan(lanes=1, items=8, wave_rays=1 << 16, refill=1, stack_rays=64)
 """One lane builds fastest."""
 

@@ -20,6 +20,8 @@ from photizon_cl.run import window, workers
 from photizon_cl.run.chunks import Task, checked, tables_digest
 from photizon_cl.run.task import run_task
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 RAYS = 512
 BATCHES = 16
 SCENE = "cosine-fourth"

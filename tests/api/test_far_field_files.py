@@ -12,6 +12,8 @@ import xarray as xr
 import photizon_cl as pz
 from photizon_cl.cli.main import main
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 EDGES = [1.0, 2.0, 5.0, 20.0, 60.0, 85.0]
 TABLES = {
     "schema": "photizon/1",

@@ -8,6 +8,8 @@ from test_hostile_results import both, many, refused, rewritten, setting, withou
 
 import photizon_cl as pz
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):

@@ -20,6 +20,8 @@ from photizon_cl.result.file import _checksum
 from photizon_cl.result.recipe import _PREFIX
 from photizon_cl.scene.writing import to_toml
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 DATA = Path(__file__).resolve().parents[1] / "data" / "results"
 
 

@@ -15,6 +15,8 @@ from photizon_cl.cli.main import main
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.run import distribution
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 RUN = {"batches": 3, "rays_per_batch": 1024, "seed": 7}
 SINGLE = 2.0**-24
 

@@ -23,6 +23,8 @@ from photizon_cl.run.directory import CHECKPOINT, steady
 from photizon_cl.scene.writing import to_toml
 from photizon_cl.views.figures import draw_ledger, write_all
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 ROOT = Path(__file__).resolve().parents[2]
 MINE = "# mine\n"
 NAMES = ["scene.toml", "summary.json", "ledger.csv", "detectors.csv", "recipe.txt"]

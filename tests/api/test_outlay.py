@@ -11,6 +11,8 @@ from photizon_cl.cli.main import main
 from photizon_cl.result.outlay import Outlay
 from photizon_cl.run.outlay import outlay
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 def asked(name, **run):
     scene = pz.load(name)

@@ -10,6 +10,8 @@ from photizon_cl.result.pilot import NEGLIGIBLE
 from photizon_cl.run import pilot as module
 from photizon_cl.run.pilot import pilot
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 LAMP = pz.IsotropicPoint(name="lamp", flux=1, position=(0.001, -0.002, 0.003))
 
 

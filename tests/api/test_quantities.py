@@ -13,6 +13,8 @@ from photizon_cl.cli.main import main
 from photizon_cl.compile.quantities import quantity_of, scalars
 from photizon_cl.result import batch_values as module
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 FEW = {"batches": 12, "rays_per_batch": 512}
 
 

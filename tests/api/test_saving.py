@@ -16,6 +16,8 @@ from photizon_cl.run import directory as result_directory
 from photizon_cl.scene.files import load
 from photizon_cl.views.figures import figure_names
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 FILES = ["ledger.csv", "recipe.txt", "result.nc", "scene.toml", "summary.json"]
 
 

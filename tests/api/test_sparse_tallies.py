@@ -15,6 +15,8 @@ from hostcode.run.tally import BLOCK, CELL, SparseTally, canonical, is_sparse, m
 from photizon_cl.result.statistics import exact_sum
 from photizon_cl.result.sums import DenseSums, SparseSums
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 SIDE = 300
 HOW = {"batches": 3, "rays_per_batch": 4096, "seed": 5}
 

@@ -23,6 +23,8 @@ from photizon_cl.run.batches import _no_batch
 from photizon_cl.run.progress import Clock
 from photizon_cl.run.task import run_task
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 QUICK = 2048
 
 

@@ -254,7 +254,8 @@ def test_what_has_no_coating_has_nothing_of_it():
     assert trace_compiled(made).digest == trace_compiled(forced).digest
 
 
-@pytest.mark.parametrize("number", [3, pytest.param(7, marks=pytest.mark.slow)])
+@pytest.mark.slow  # of the presets without: above
+@pytest.mark.parametrize("number", [3, 7])
 def test_a_coating_beside_bare_glass_changes_no_bit_of_it(number):
     """A random scene, and the same with a coated plate far away from all of it."""
     tables = random_scene(number)
@@ -283,7 +284,7 @@ def test_random_scenes_with_coatings_are_one_whatever_runs_them(number):
     assert max(map(abs, one.closures())) <= 1e-14
 
 
-@pytest.mark.parametrize("precision", ["mixed", "fp32"])
+@pytest.mark.parametrize("precision", ["mixed", pytest.param("fp32", marks=pytest.mark.slow)])
 def test_other_precisions_have_the_same_shares(precision):
     scene = window(MGF2, 30.0, spectrum=LINES, detector={"generations": 4})
     wide, narrow = (

@@ -11,6 +11,8 @@ from hostcode.run.wavefront import Engine
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.scene.files import load
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 @pytest.mark.parametrize("copies", [0, 2])
 def test_an_engine_is_as_new_after_a_wave_that_was_given_up(copies: int) -> None:

@@ -14,6 +14,8 @@ import photizon_cl as pz
 from hostcode.program.source import program_source
 from photizon_cl.compile.compiled import compile_scene
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 def test_each_ray_goes_one_way():
     chooses()

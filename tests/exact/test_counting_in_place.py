@@ -13,6 +13,8 @@ from photizon_cl.scene.registry import ELEMENTS
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 CLEAR = {"surface": {"kind": "clear"}}
 KINDS: dict[str, tuple[dict[str, Any], tuple[float, float, float], tuple[float, float, float]]] = {
     "rectangle": ({"half_width": 0.5, "half_height": 0.4}, (0, 0, 0.3), (0, 0, -0.3)),

@@ -13,6 +13,8 @@ import photizon_cl as pz
 from hostcode.run.probe import probe_rays
 from photizon_cl.compile.compiled import compile_scene
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 BALL = {"kind": "sphere", "position": [0, 0, 0], "axis": "+z", "radius": 1.0, **matt(1.0)}
 ULP = 2.0**-53
 

@@ -55,7 +55,9 @@ def busy(force=frozenset(), without=frozenset(), **run):
     [
         {"lanes": 8},
         pytest.param({"composition": "classical", "lanes": 1}, marks=pytest.mark.slow),
-        {"composition": "whole-path", "lanes": 1, "stack_rays": 1},
+        pytest.param(
+            {"composition": "whole-path", "lanes": 1, "stack_rays": 1}, marks=pytest.mark.slow
+        ),
         pytest.param({"lanes": 16, "interleaved": True}, marks=pytest.mark.slow),
     ],
 )
@@ -118,7 +120,9 @@ def test_a_scene_without_has_nothing_of_it():
         assert ("polarisation" in str(scene.to_dict()["run"])) == scene.run.polarisation
 
 
-@pytest.mark.parametrize(("precision", "close"), [("mixed", 3e-6), ("fp32", 3e-6)])
+@pytest.mark.parametrize(
+    ("precision", "close"), [("mixed", 3e-6), pytest.param("fp32", 3e-6, marks=pytest.mark.slow)]
+)
 def test_other_precisions(precision, close):
     for seed in (0, 1, 4):
         scene = chain(seed, 6, TOLD)

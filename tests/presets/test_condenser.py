@@ -51,7 +51,7 @@ def test_anchor_numbers():
 
 
 def test_default_run_meets_the_anchor():
-    result = pz.trace("plano-convex-condenser", batches=12)
+    result = pz.trace("plano-convex-condenser", batches=8)
     rung = result.detectors["focus"].ladder[2]
     assert rung.sigma < 1e-6
     assert abs(rung.value - direct(pz.load("plano-convex-condenser").element[1].position[2])) < (

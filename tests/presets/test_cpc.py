@@ -28,7 +28,7 @@ def test_default_run_meets_the_anchor():
     power = result.detectors["exit"].power
     assert result.converged
     assert power.sigma <= 0.001
-    other, sigma, unfinished = transmission(19.0, side=300, repeats=4)
+    other, sigma, unfinished = transmission(19.0, side=200, repeats=4)
     assert unfinished == 0
     assert abs(power.value - other) < 4.0 * (power.sigma**2 + sigma**2) ** 0.5
     assert abs(power.value - 0.8646) < 4.0 * power.sigma

@@ -55,7 +55,7 @@ def test_the_notes_say_what_is_there():
 @pytest.fixture(scope="module")
 def back() -> pz.Result:
     scene = in_reverse([0.0, 0.1, 0.4, 2.0, 20.0, 90.0])
-    return pz.trace(scene, batches=16, rays_per_batch=1 << 17)
+    return pz.trace(scene, batches=16, rays_per_batch=1 << 15)
 
 
 @pytest.mark.slow  # of a tube: tests/statistical/test_reverse.py

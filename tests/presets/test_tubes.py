@@ -46,7 +46,7 @@ def test_the_diffuser_covers_every_line_through_the_holes():
 
 def test_baffled_tube_meets_the_anchor():
     scene = pz.load("baffled-tube")
-    result = pz.trace(scene, batches=200)
+    result = pz.trace(scene, batches=64)
     detector = result.detectors["detector"]
     assert abs(detector.power.value - direct(scene)) < 4.0 * detector.power.sigma
     assert detector.ladder[0].value == detector.power.value

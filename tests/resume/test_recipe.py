@@ -15,6 +15,8 @@ import photizon_cl as pz
 from photizon_cl.cli.main import main
 from photizon_cl.result import engine as module
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 ROOT = Path(__file__).resolve().parents[2]
 RUN = {"batches": 3, "rays_per_batch": 1024, "seed": 7}
 

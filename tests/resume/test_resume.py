@@ -17,6 +17,8 @@ from photizon_cl.result.stopping import History
 from photizon_cl.run import checkpoint
 from photizon_cl.run.directory import CHECKPOINT
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 SCENE, RAYS = "box-room", 2048
 EACH = ExecutionPlan(lanes=8, items=4, wave_rays=RAYS)  # a wave for each batch
 

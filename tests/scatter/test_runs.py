@@ -112,7 +112,7 @@ def test_rays_that_do_not_split_close_exactly():
     assert found.closures() == [0, 0]
 
 
-@pytest.mark.parametrize("precision", ["mixed", "fp32"])
+@pytest.mark.parametrize("precision", [pytest.param("mixed", marks=pytest.mark.slow), "fp32"])
 def test_other_precisions_scatter_the_same_share(precision):
     lobe = LOBES["harvey-shack"]
     scene = plate({"kind": "absorber", "scatter": lobe.to_table()})

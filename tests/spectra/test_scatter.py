@@ -46,8 +46,8 @@ def test_importance_sampling_weighs_by_line():
 @pytest.mark.parametrize(
     ("by", "splitting"),
     [
-        ("lines", False),
         ("bands", True),
+        pytest.param("lines", False, marks=pytest.mark.slow),
         pytest.param("lines", True, marks=pytest.mark.slow),
         pytest.param("bands", False, marks=pytest.mark.slow),
     ],

@@ -36,7 +36,7 @@ def test_the_rare_path_is_what_it_is_said_to_be():
     ("batches", "glass"),
     [
         (8, True),
-        (40, False),
+        pytest.param(40, False, marks=pytest.mark.slow),
         pytest.param(8, False, marks=pytest.mark.slow),
         pytest.param(40, True, marks=pytest.mark.slow),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,40 +43,44 @@ def groups(tables: dict[str, Any]) -> Iterator[Estimates]:
         yield Estimates(found.compiled, tally, RunInfo(goal=Goal(batches=BATCHES)))
 
 
-@pytest.fixture(scope="module")
-def scores() -> dict[str, np.ndarray]:
-    """Return each estimate's (value − truth)/σ̂ over the groups."""
+@cache
+def plates() -> dict[str, np.ndarray]:
+    """Return (value − truth)/σ̂ over the groups: of a bin of a plate's map, and of its total."""
     tables = pz.load("cosine-fourth").to_dict()
     tables["element"][0]["detector"] = {"map": [4, 4]}
-    bin_power = primitive(0.5, 0.5)  # the innermost of the bins, W; 0.25 m² each
-    known = {
-        "a map's bin": bin_power / 0.25,
-        "a detector's total": 4.0 * primitive(1.0, 1.0),
-        "a ledger's row": 0.655172413793103448,  # the integrating sphere's wall
-    }
-    z: dict[str, list[float]] = {name: [] for name in known}
-    spheres = groups(pz.load("integrating-sphere").to_dict())
-    for plate, sphere in zip(groups(tables), spheres, strict=True):
+    in_bin = primitive(0.5, 0.5) / 0.25  # the innermost of the bins, W; 0.25 m² each
+    total = 4.0 * primitive(1.0, 1.0)
+    z: dict[str, list[float]] = {"a map's bin": [], "a detector's total": []}
+    for plate in groups(tables):
         detector = plate.detectors["target"]
         assert detector.map is not None
-        power, wall = detector.power, sphere.ledger.absorbed["wall"]
-        for name, value, sigma in (
-            ("a map's bin", detector.map.irradiance[2, 2], detector.map.sigma[2, 2]),
-            ("a detector's total", power.value, power.sigma),
-            ("a ledger's row", wall.value, wall.sigma),
-        ):
-            z[name].append((value - known[name]) / sigma)
+        bins, power = detector.map, detector.power
+        z["a map's bin"].append((bins.irradiance[2, 2] - in_bin) / bins.sigma[2, 2])
+        z["a detector's total"].append((power.value - total) / power.sigma)
     return {name: np.array(x) for name, x in z.items()}
 
 
-@pytest.mark.parametrize("what", ["a map's bin", "a detector's total", "a ledger's row"])
-def test_two_sigma_hold_the_truth_in_95_of_100_groups(scores, what):
+def rows() -> np.ndarray:
+    """Return the same of a row of the ledger: what the integrating sphere's wall absorbs."""
+    found = [one.ledger.absorbed["wall"] for one in groups(pz.load("integrating-sphere").to_dict())]
+    return np.array([(wall.value - 0.655172413793103448) / wall.sigma for wall in found])
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        "a map's bin",
+        "a detector's total",
+        pytest.param("a ledger's row", marks=pytest.mark.slow),
+    ],
+)
+def test_two_sigma_hold_the_truth_in_95_of_100_groups(what):
     """With 32 batches the share within ±2σ̂ is 0.9457; over 600 groups it scatters by 0.0093.
 
     ±0.02 is 2.2 of that: a right engine misses it for one in 30 choices of the seed, and never for
     this one, whose bits are fixed.
     """
-    z = scores[what]
+    z = rows() if what == "a ledger's row" else plates()[what]
     assert abs(np.mean(np.abs(z) < 2.0) - 0.9457) <= 0.02
     # z² has the mean 31/29 and scatters by 1.6 about it: five times 1.6/sqrt(600) is 0.33
     assert abs(np.mean(z * z) - 31.0 / 29.0) < 0.33

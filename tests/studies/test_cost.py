@@ -21,6 +21,8 @@ from photizon_cl.studies.knobs import KNOBS, Option, as_it_stands
 from photizon_cl.studies.trial import Bins, Trial
 from photizon_cl.views.report.writing import beside
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 SPHERE = "integrating-sphere"
 RAYS = 1024
 

@@ -13,6 +13,8 @@ from photizon_cl.cli.main import main
 from photizon_cl.views.figures.style import is_figure
 from photizon_cl.views.figures.sweep_plot import draw_sweep
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 
 @pytest.fixture(scope="module")
 def grid():

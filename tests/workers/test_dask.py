@@ -23,7 +23,10 @@ from photizon_cl.run import dask, workers
 distributed = pytest.importorskip("distributed", reason="Dask is not installed")
 
 # Its own threads and sockets end when they do.
-pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
+pytestmark = [
+    pytest.mark.usefixtures("built_quickly"),
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+]
 # Dask would use both threads for a task each; a process has one device all the same.
 HOW = {"threads_per_worker": 2, "dashboard_address": ":0", "host": "127.0.0.1"}
 WRONG = [

@@ -15,6 +15,8 @@ import photizon_cl as pz
 from benchmarks.mpi import Mpi, NoMpiError
 from photizon_cl.run.checkpoint import latest
 
+pytestmark = pytest.mark.usefixtures("built_quickly")
+
 RUN = ["run", "cosine-fourth", "--rays-per-batch", "512"]
 EAGER = str(Path(__file__).with_name("eager.py"))
 LONG = ["run", "cosine-fourth", "--rays-per-batch", "65536", "--batches", "1000000"]
