@@ -195,11 +195,11 @@ class SweepTable:
 
         Texts that differ in numbers alone count as one: that of the first point.
         """
-        found: dict[str, tuple[str, list[int]]] = {}
+        found: dict[str, dict[int, str]] = {}
         for point in self.points:
             for text in point.advisories:
-                found.setdefault(_NUMBERS.sub("#", text), (text, []))[1].append(point.number)
-        return tuple(_at(text, numbers, self.n_done) for text, numbers in found.values())
+                found.setdefault(_NUMBERS.sub("#", text), {}).setdefault(point.number, text)
+        return tuple(_at(told, self.n_done) for told in found.values())
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -285,14 +285,18 @@ class SweepTable:
         return table(self)
 
 
-def _at(text: str, numbers: list[int], done: int) -> str:
-    if len(numbers) == done > 1:
-        return f"at every point: {text}"
+def _at(told: dict[int, str], done: int) -> str:
+    """Return what is told at some points, by their numbers, maybe with others in it at each."""
+    numbers, text = list(told), next(iter(told.values()))
     if len(numbers) == 1:
         return f"at point {numbers[0]}: {text}"
-    named = ", ".join(map(str, numbers[:_NAMED]))
-    more = f" and {len(numbers) - _NAMED} more" if len(numbers) > _NAMED else ""
-    return f"at points {named}{more}; at the first of them {text}"
+    if len(numbers) == done:
+        where = "at every point"
+    else:
+        where = "at points " + ", ".join(map(str, numbers[:_NAMED]))
+        where += f" and {len(numbers) - _NAMED} more" if len(numbers) > _NAMED else ""
+    alike = len(set(told.values())) == 1
+    return f"{where}: {text}" if alike else f"{where}; at the first of them {text}"
 
 
 def compared(

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, counted
 from photizon_cl.scene.curves import Curve, NumberOrCurve
+from photizon_cl.scene.declarations import declare
 from photizon_cl.scene.described import REQUIRED, Accepts, Described
 from photizon_cl.scene.number_lists import Ascending
-from photizon_cl.scene.parameters import Number, Numbers, declare
+from photizon_cl.scene.parameters import Number, Numbers
 from photizon_cl.scene.whole import read_whole
 
 if TYPE_CHECKING:

@@ -9,9 +9,10 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import ArgumentError, Problem, show
+from photizon_cl.scene.declarations import declare
 from photizon_cl.scene.described import REQUIRED, Accepts, Described
 from photizon_cl.scene.number_lists import Ascending
-from photizon_cl.scene.parameters import BAD, LARGEST, Number, Numbers, declare
+from photizon_cl.scene.parameters import BAD, LARGEST, Number, Numbers
 from photizon_cl.scene.whole import read_whole
 
 if TYPE_CHECKING:
@@ -349,11 +350,14 @@ def number_of(value: float | Curve) -> float:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         Where it is one: `Surface.at` gives numbers.
     """
     if isinstance(value, Curve):
-        raise ValueError("it depends on wavelength: ask Surface.at or Scene.optics")
+        raise ArgumentError(
+            "found a table over wavelength, expected a number: Surface.at(nm) has those of a "
+            "wavelength, scene.optics_at(nm)[surface] as well"
+        )
     return value
 
 

@@ -10,11 +10,12 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
+from photizon_cl.scene.declarations import declare, integer, tilt
 from photizon_cl.scene.described import ABSENT, Accepts, Described
 from photizon_cl.scene.edges import even_edges
 from photizon_cl.scene.frames import AXES, frame, sincos_deg
 from photizon_cl.scene.number_lists import Ascending
-from photizon_cl.scene.parameters import Choice, declare, integer, tilt
+from photizon_cl.scene.parameters import Choice
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
+from photizon_cl.scene.declarations import names, number, shares
 from photizon_cl.scene.described import ABSENT, REQUIRED, Accepts, Described
-from photizon_cl.scene.parameters import names, number, shares
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, printable, show
+from photizon_cl.scene.declarations import declare, free_text, unique_name
 from photizon_cl.scene.described import (
     REQUIRED,
     Accepts,
@@ -24,7 +25,6 @@ from photizon_cl.scene.importance import Importance, targets_of
 from photizon_cl.scene.media.medium import Medium
 from photizon_cl.scene.media.names import VACUUM, media_of
 from photizon_cl.scene.parameter_paths import put_values
-from photizon_cl.scene.parameters import declare, free_text, unique_name
 from photizon_cl.scene.polarisation import unasked
 from photizon_cl.scene.reader import SCHEMA, read_scene
 from photizon_cl.scene.settings import RunSettings

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from photizon_cl.errors import Problem, join
+from photizon_cl.scene.declarations import fraction, number
 from photizon_cl.scene.described import Described
 from photizon_cl.scene.frames import sincos_deg
-from photizon_cl.scene.parameters import fraction, number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
+from photizon_cl.scene.declarations import flag, fraction_or, integer, number, words
 from photizon_cl.scene.described import ABSENT, Accepts, Described
-from photizon_cl.scene.parameters import flag, fraction_or, integer, number, words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.curves import ascending_nm
+from photizon_cl.scene.declarations import declare
 from photizon_cl.scene.described import ABSENT, REQUIRED, Accepts, Described
-from photizon_cl.scene.parameters import BAD, LARGEST, Number, Numbers, declare
+from photizon_cl.scene.parameters import BAD, LARGEST, Number, Numbers
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -13,7 +13,7 @@ from photizon_docs.tables import GROUPS
 
 import photizon_cl as pz
 from photizon_cl.cli.main import main
-from photizon_cl.scene.parameters import positive_length
+from photizon_cl.scene.declarations import positive_length
 from photizon_cl.scene.sources.cosine_point import CosinePoint
 
 

@@ -137,3 +137,14 @@ def test_arrivals_too_faint_for_the_tallys_unit_are_told():
 def test_a_way_that_is_no_length_is_refused(length):
     with pytest.raises(pz.PhotizonError, match="a way is"):
         pz.Medium("glass", 1.5, 20.0).transmittance(length)
+
+
+def test_what_names_media_has_no_numbers_by_itself():
+    glass = pz.Fresnel(medium="water")
+    ball = pz.Sphere(name="ball", position=(0, 0, 0), axis="+z", radius=0.1, surface=glass)
+    lamp = pz.IsotropicPoint(name="lamp", flux=1.0, position=(0, 0, 1))
+    water = pz.Medium(name="water", index=1.333)
+    with pytest.raises(pz.ArgumentError, match=r'media "water" and "vacuum" by name, expected ind'):
+        _ = glass.critical_angle_deg
+    whole = pz.Scene("s", (lamp,), (ball,), medium=(water,)).optics[glass]
+    assert whole.normal_reflectance == pytest.approx((0.333 / 2.333) ** 2, rel=1e-15)

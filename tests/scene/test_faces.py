@@ -19,10 +19,10 @@ from photizon_cl.geometry.contact import in_contact
 from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.outlines import cut, edges, facets
 from photizon_cl.geometry.wedges import edge_factors
+from photizon_cl.scene.declarations import positive_length
 from photizon_cl.scene.elements.base import Element
 from photizon_cl.scene.elements.flat import Flat
 from photizon_cl.scene.faces import Ball, Circular, Plane, Rectangular, Revolved
-from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 from photizon_cl.views.drawing.sections import DETECTOR, SOURCE
 

@@ -12,8 +12,9 @@ import numpy as np
 from photizon_cl.errors import ArgumentError, Problem, show
 from photizon_cl.scene.coatings.base import Coating, meeting
 from photizon_cl.scene.curves import wavelength
+from photizon_cl.scene.declarations import declare, number, refractive_index
 from photizon_cl.scene.described import REQUIRED, Accepts, Described
-from photizon_cl.scene.parameters import BAD, Parameter, declare, number, refractive_index
+from photizon_cl.scene.parameters import BAD, Parameter
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.whole import read_whole
 

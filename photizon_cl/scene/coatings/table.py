@@ -11,7 +11,8 @@ import numpy as np
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.angles import angles, lengths_agree
 from photizon_cl.scene.coatings.base import Coating, whole
-from photizon_cl.scene.parameters import Number, Numbers, declare
+from photizon_cl.scene.declarations import declare
+from photizon_cl.scene.parameters import Number, Numbers
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:

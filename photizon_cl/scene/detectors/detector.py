@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Final
 
+from photizon_cl.scene.declarations import choice, integer, integers, spectral_flag
 from photizon_cl.scene.described import ABSENT, Accepts, Described
 from photizon_cl.scene.filters.generation import Generation
 from photizon_cl.scene.filters.wavelength import Wavelength
-from photizon_cl.scene.parameters import choice, integer, integers, spectral_flag
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,10 +8,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show, with_article
+from photizon_cl.scene.declarations import declare, point, signed_axis, tilt, unique_name
 from photizon_cl.scene.described import Described, Known, Nested, parameters_of
 from photizon_cl.scene.detectors import Detector
 from photizon_cl.scene.frames import Frame, Vec3, frame, to_local
-from photizon_cl.scene.parameters import declare, point, signed_axis, tilt, unique_name
 from photizon_cl.scene.surfaces import Surface
 
 if TYPE_CHECKING:

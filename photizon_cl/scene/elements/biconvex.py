@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
+from photizon_cl.scene.declarations import positive_length
 from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.lens import (
     CappedLens,
@@ -16,7 +17,6 @@ from photizon_cl.scene.elements.lens import (
     on_cap,
     sag,
 )
-from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:

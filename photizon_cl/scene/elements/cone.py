@@ -9,9 +9,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import Problem, show
+from photizon_cl.scene.declarations import number, positive_length
 from photizon_cl.scene.elements.revolved import RevolvedWall
 from photizon_cl.scene.faces import Straight
-from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
+from photizon_cl.scene.parameters import LARGEST, about
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from photizon_cl.errors import Problem, show
+from photizon_cl.scene.declarations import number, positive_length
 from photizon_cl.scene.elements.base import ROUNDOFF, Element
 from photizon_cl.scene.faces import Revolved
 from photizon_cl.scene.frames import sincos_deg
-from photizon_cl.scene.parameters import LARGEST, about, number, positive_length
+from photizon_cl.scene.parameters import LARGEST, about
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:

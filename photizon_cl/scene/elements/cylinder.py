@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from photizon_cl.scene.bins import MapBins
+from photizon_cl.scene.declarations import positive_length
 from photizon_cl.scene.elements.revolved import RevolvedWall
 from photizon_cl.scene.faces import Straight
 from photizon_cl.scene.filters.along import along_axis
 from photizon_cl.scene.filters.azimuth import Azimuth
-from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.areas import circle_areas
 from photizon_cl.scene.bins import MapBins
+from photizon_cl.scene.declarations import number, positive_length
 from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.flat import EDGES, EDGES_TILTED, Flat
 from photizon_cl.scene.faces import Circular
 from photizon_cl.scene.filters.along import across
-from photizon_cl.scene.parameters import LARGEST, number, positive_length
+from photizon_cl.scene.parameters import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,20 +10,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import Problem, show
+from photizon_cl.scene.declarations import declare, number, positive_length, signed_radius
 from photizon_cl.scene.described import Nested
 from photizon_cl.scene.elements.base import ROUNDOFF, Element
 from photizon_cl.scene.elements.lens_face import LensFace, thinnest
 from photizon_cl.scene.elements.placed import Placed
 from photizon_cl.scene.elements.sheets import equator
 from photizon_cl.scene.faces import Straight
-from photizon_cl.scene.parameters import (
-    LARGEST,
-    about,
-    declare,
-    number,
-    positive_length,
-    signed_radius,
-)
+from photizon_cl.scene.parameters import LARGEST, about
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.surfaces import Surface
 from photizon_cl.scene.surfaces.absorber import Absorber

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
+from photizon_cl.scene.declarations import positive_length
 from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.lens import (
     CappedLens,
@@ -17,7 +18,6 @@ from photizon_cl.scene.elements.lens import (
     sag,
 )
 from photizon_cl.scene.faces import Circular, Plane
-from photizon_cl.scene.parameters import positive_length
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

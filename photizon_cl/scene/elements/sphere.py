@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, ClassVar
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.areas import zone_areas
 from photizon_cl.scene.bins import MapBins
+from photizon_cl.scene.declarations import number, positive_length
 from photizon_cl.scene.elements.base import ROUNDOFF, Element
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.filters.along import polar_cosine
 from photizon_cl.scene.filters.azimuth import Azimuth
-from photizon_cl.scene.parameters import number, positive_length
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:

@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from photizon_cl.errors import Problem, show
+from photizon_cl.scene.declarations import declare
 from photizon_cl.scene.limits import MOST_CHARACTERS
 from photizon_cl.scene.media.dispersion import Dispersion, IndexTable, Polynomial, Sellmeier
-from photizon_cl.scene.parameters import Name, Parameter, declare
+from photizon_cl.scene.parameters import Name, Parameter
 
 __all__ = ["Glass", "glass_name", "glasses", "known_glass"]
 

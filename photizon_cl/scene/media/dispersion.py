@@ -16,17 +16,10 @@ from photizon_cl.scene.curves import (
     nodes,
     wavelength,
 )
+from photizon_cl.scene.declarations import declare, number
 from photizon_cl.scene.described import ABSENT, REQUIRED, Accepts, parameters_of
 from photizon_cl.scene.number_lists import Ascending
-from photizon_cl.scene.parameters import (
-    LARGEST,
-    Integer,
-    Number,
-    Numbers,
-    Parameter,
-    declare,
-    number,
-)
+from photizon_cl.scene.parameters import LARGEST, Integer, Number, Numbers, Parameter
 from photizon_cl.scene.whole import read_whole
 
 if TYPE_CHECKING:

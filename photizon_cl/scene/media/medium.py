@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 from photizon_cl.errors import ArgumentError, Problem, show
 from photizon_cl.scene.curves import AbsorptionCurve, NumberOrCurve, at_wavelength, wavelength
+from photizon_cl.scene.declarations import declare, refractive_index, unique_name
 from photizon_cl.scene.described import REQUIRED, Described, parameters_of
 from photizon_cl.scene.exponential import exponential, fused
 from photizon_cl.scene.media.catalogue import glass_name, known_glass
 from photizon_cl.scene.media.dispersion import Dispersion, dispersion
-from photizon_cl.scene.parameters import LARGEST, declare, refractive_index, unique_name
+from photizon_cl.scene.parameters import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

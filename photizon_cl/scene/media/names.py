@@ -6,8 +6,9 @@ import difflib
 from typing import TYPE_CHECKING, Any, Final
 
 from photizon_cl.errors import Problem, join, show
+from photizon_cl.scene.declarations import declare
 from photizon_cl.scene.described import Described, Known, parameters_of
-from photizon_cl.scene.parameters import Name, declare
+from photizon_cl.scene.parameters import Name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

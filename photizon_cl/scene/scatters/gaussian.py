@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from photizon_cl.scene.parameters import fraction, number
+from photizon_cl.scene.declarations import fraction, number
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.scatters.base import NARROWEST, Scatter
 from photizon_cl.scene.scatters.functions import exp_of

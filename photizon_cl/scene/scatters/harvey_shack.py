@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from photizon_cl.errors import ArgumentError, show
-from photizon_cl.scene.parameters import number
+from photizon_cl.scene.declarations import number
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.scatters.base import NARROWEST, Scatter
 from photizon_cl.scene.scatters.functions import power_of

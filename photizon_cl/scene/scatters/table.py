@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, ClassVar, Final
 import numpy as np
 
 from photizon_cl.errors import Problem, counted, show
+from photizon_cl.scene.declarations import declare
 from photizon_cl.scene.number_lists import Ascending
-from photizon_cl.scene.parameters import Number, Numbers, declare
+from photizon_cl.scene.parameters import Number, Numbers
 from photizon_cl.scene.rows import NO_ROW, Row
 from photizon_cl.scene.scatters.base import Scatter
 from photizon_cl.scene.scatters.total import pieces_of

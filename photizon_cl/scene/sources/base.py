@@ -9,10 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from photizon_cl.scene.described import ABSENT, Accepts, Described, Nested
-from photizon_cl.scene.frames import Frame, frame
-from photizon_cl.scene.media.names import VACUUM, medium_name
-from photizon_cl.scene.parameters import (
+from photizon_cl.scene.declarations import (
     declare,
     point,
     positive_number,
@@ -21,6 +18,9 @@ from photizon_cl.scene.parameters import (
     tilt,
     unique_name,
 )
+from photizon_cl.scene.described import ABSENT, Accepts, Described, Nested
+from photizon_cl.scene.frames import Frame, frame
+from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.polarisation import Polarisation
 from photizon_cl.scene.rows import NO_ROW, Row
 from photizon_cl.scene.spectrum import relative_powers

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from photizon_cl.scene.declarations import number
 from photizon_cl.scene.frames import sincos_deg
-from photizon_cl.scene.parameters import SMALLEST, number
+from photizon_cl.scene.parameters import SMALLEST
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import DirectedSource
 

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from photizon_cl.scene.declarations import positive_length
 from photizon_cl.scene.faces import Ball
-from photizon_cl.scene.parameters import positive_length
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import Source
 

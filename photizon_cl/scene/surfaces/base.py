@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 from photizon_cl.scene.coatings import Coating
 from photizon_cl.scene.curves import OverWavelength, at_wavelength
+from photizon_cl.scene.declarations import declare
 from photizon_cl.scene.described import Described, Nested, parameters_of
-from photizon_cl.scene.parameters import declare
 from photizon_cl.scene.rows import NO_ROW, Row
 from photizon_cl.scene.scatters import Scatter
 

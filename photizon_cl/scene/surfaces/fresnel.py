@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
-from photizon_cl.errors import Problem, show
+from photizon_cl.errors import ArgumentError, Problem, show
+from photizon_cl.scene.declarations import refractive_index
 from photizon_cl.scene.described import REQUIRED, parameters_of
 from photizon_cl.scene.media.names import VACUUM, medium_name
-from photizon_cl.scene.parameters import refractive_index
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.scatters.base import scatter_problems
 from photizon_cl.scene.surfaces.base import Surface, coated, scattering
@@ -199,7 +199,10 @@ class Fresnel(Surface):
     @property
     def _pair(self) -> tuple[float, float]:
         if self.indices is None:
-            raise ValueError("indices follow from the scene's media: ask Scene.optics")
+            raise ArgumentError(
+                f"found media {show(self.medium)} and {show(self.medium_outside)} by "
+                "name, expected indices: they follow from the scene's media: scene.optics[surface]"
+            )
         return self.indices
 
     @property
