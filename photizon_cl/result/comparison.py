@@ -5,6 +5,11 @@ of the other start alike and part where the scenes differ. What they have in com
 difference of a batch and its counterpart (common random numbers; Glasserman, Monte Carlo Methods in
 Financial Engineering, 2003, § 4.3 and 7.1), so the scatter of those differences is what the
 difference is known by. Of other runs the errors are taken as independent and add in quadrature.
+
+Where one of two such runs has more batches, what is beyond the common ones may tell more than
+pairing does. All batches of both give the difference too, with
+σ² = σ_a² + σ_b² − 2 n cov/(n_a n_b), where n batches are common and cov is that of a pair of them;
+each quantity is told by whichever of the two has the smaller σ.
 """
 
 from __future__ import annotations
@@ -12,8 +17,10 @@ from __future__ import annotations
 import math
 import re
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
 
 from photizon_cl.compile.quantities import BY_LINE, scalars
 from photizon_cl.errors import ArgumentError
@@ -24,7 +31,6 @@ from photizon_cl.scene.parameter_paths import path_parts
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from photizon_cl.result.estimates import Estimates
@@ -67,6 +73,9 @@ class Difference:
         Its standard error, to first order in the errors of both.
     paired : bool
         Whether batch was held against batch; else the errors were added in quadrature.
+    whole : bool
+        Whether it is of all batches of two runs of which a part pairs, since that has the smaller
+        error: the errors in quadrature, less what the pairs have in common.
     """
 
     name: str
@@ -77,6 +86,7 @@ class Difference:
     ratio: float | None
     ratio_sigma: float | None
     paired: bool
+    whole: bool = False
 
     def summary(self) -> dict[str, Any]:
         """Return it as plain values."""
@@ -89,6 +99,7 @@ class Difference:
             "ratio": self.ratio,
             "ratio_sigma": self.ratio_sigma,
             "paired": self.paired,
+            "whole": self.whole,
         }
 
 
@@ -111,6 +122,8 @@ class Comparison:
         Batches that were held against each other; 0 where none were.
     why : str
         Why batches were paired, or were not.
+    lines : tuple of str
+        What the lines or bands of the first run are called; empty without a spectrum.
     """
 
     a: str
@@ -120,6 +133,7 @@ class Comparison:
     only_b: tuple[str, ...]
     batches: int
     why: str
+    lines: tuple[str, ...] = ()
 
     def __iter__(self) -> Iterator[Difference]:
         return iter(self.rows)
@@ -135,6 +149,13 @@ class Comparison:
         if found is None:
             raise unknown_name("comparison", name, [row.name for row in self.rows])
         return found
+
+    def parts_of(self, name: str) -> tuple[str, str]:
+        """Return the quantity that a name is of, and the line or band, empty where of all."""
+        of_line = _OF_LINE.fullmatch(name)
+        if of_line is None or int(of_line[2]) >= len(self.lines):
+            return name, ""
+        return of_line[1].removesuffix(f".{BY_LINE}"), self.lines[int(of_line[2])]
 
     def summary(self) -> dict[str, Any]:
         """Return the comparison as plain values that JSON can hold."""
@@ -174,8 +195,13 @@ def compared(a: Estimates, b: Estimates) -> Comparison:
                     x[:common] * a.compiled.unit_power,
                     y[:common] * b.compiled.unit_power,
                 )
-        first = _of(a.quantity(name), a.batches, both, 0)
-        rows.append(difference_of(name, first, _of(b.quantity(other), b.batches, both, 1), both))
+        one, two = a.quantity(name), b.quantity(other)
+        pairs = _of(one, a.batches, both, 0), _of(two, b.batches, both, 1)
+        row = difference_of(name, *pairs, both)
+        if both is not None and a.batches != b.batches:
+            every = _of_all(name, one, two, both, (a.batches, b.batches))
+            row = min(row, every, key=lambda d: math.inf if d.sigma is None else d.sigma)
+        rows.append(row)
     matched = set(partner.values())
     return Comparison(
         a.scene.name,
@@ -185,6 +211,7 @@ def compared(a: Estimates, b: Estimates) -> Comparison:
         tuple(name for name in of_b if name not in matched),
         common,
         why,
+        a.scene.spectrum.names if a.scene.spectrum is not None else (),
     )
 
 
@@ -273,6 +300,25 @@ def difference_of(
     return Difference(
         name, a, b, float(apart.mean()), error_of_mean(apart), ratio, ratio_sigma, paired=True
     )
+
+
+def _of_all(
+    name: str, a: Estimate, b: Estimate, both: _Pair, batches: tuple[int, int]
+) -> Difference:
+    """Return how a quantity differs between two runs, of all batches, of which some pair."""
+    x, y = both
+    alone = difference_of(name, a, b, None)
+    if a.sigma is None or b.sigma is None or alone.sigma is None:
+        return alone
+    covariance = float(np.cov(x, y)[0, 1])
+    most = math.sqrt(batches[0] * batches[1]) * a.sigma * b.sigma  # no correlation is above 1
+    shared = max(min(covariance, most), -most) * len(x) / (batches[0] * batches[1])
+    sigma = math.sqrt(a.sigma**2 + b.sigma**2 - 2.0 * shared)
+    ratio_sigma = None
+    if alone.ratio is not None:
+        square = b.sigma**2 + (alone.ratio * a.sigma) ** 2 - 2.0 * alone.ratio * shared
+        ratio_sigma = math.sqrt(max(square, 0.0)) / abs(a.value)
+    return replace(alone, sigma=sigma, ratio_sigma=ratio_sigma, whole=True)
 
 
 def error_of_mean(values: NDArray[np.float64]) -> float:

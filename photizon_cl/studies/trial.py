@@ -43,6 +43,8 @@ _MORE: Final = 8
 """Times as many batches as in the last turn that a turn may have."""
 _BINS: Final = 4096
 """Bins of a map that are looked at: of so many the median is known to 2 %."""
+_AGREES: Final = 0.5
+"""Part of the σ that all batches give, below which that of the first few is not believed."""
 _DENSE: Final = 1.04
 """Times as many batches behind which the σ of bins is asked for again."""
 
@@ -167,7 +169,7 @@ class Trial:
         """Return what it gave."""
         n, each = self.batches, self.values()
         mean = watts(self.compiled, sum(self.totals), n)
-        curve = _curve(each, mean) if self.bins is None else self.bins.curve()
+        curve = firm(_curve(each, mean) if self.bins is None else self.bins.curve())
         sigma = curve[-1][1] * abs(mean) if n > 1 and math.isfinite(curve[-1][1]) else None
         bias, bias_sigma, paired = self._bias(reference)
         return CostSetting(
@@ -303,6 +305,19 @@ class Bins:
         found = np.full(len(value), np.inf, np.float32)
         np.divide(np.sqrt(square / (n - 1)), value, out=found, where=value > 0.0, casting="unsafe")
         return found
+
+
+def firm(curve: Curve) -> Curve:
+    """Return a curve without the places at which hardly anything had come that tells σ.
+
+    Before its first arrivals a quantity has no scatter, or one far too small: σ that is less than
+    half of what the whole says of so many batches is none. That of independent batches is within a
+    fifth of it from eight batches on.
+    """
+    n, sigma = curve[-1]
+    if not math.isfinite(sigma):
+        return curve
+    return tuple((k, s) for k, s in curve if s >= _AGREES * sigma * math.sqrt(n / k))
 
 
 def total_of(quantity: Quantity, layout: TallyLayout) -> int:

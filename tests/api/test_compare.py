@@ -103,6 +103,44 @@ def test_runs_of_other_lengths_pair_in_the_batches_that_both_have(white):
     assert found[ESCAPED].b == white.ledger.escaped
 
 
+def test_a_run_that_is_much_longer_is_compared_whole():
+    """Else what its other batches tell would be thrown away; what both share is counted once."""
+    short, long = sphere(0.96, batches=6), sphere(0.97, batches=300)
+    found = pz.compare(short, long)
+    assert found.batches == 6
+    one, other = short.quantity(ESCAPED), long.quantity(ESCAPED)
+    row = found[ESCAPED]
+    x, y = short.batch_values(ESCAPED), long.batch_values(ESCAPED)
+    shared = np.cov(x, y[:6])[0, 1] * 6 / (6 * 300)
+    square = one.sigma**2 + other.sigma**2 - 2.0 * shared
+    paired = np.std(y[:6] - x, ddof=1) / math.sqrt(6)
+    assert row.sigma == pytest.approx(min(math.sqrt(square), paired), rel=1e-12)
+    assert row.paired == (paired < math.sqrt(square))
+    rows = [row for row in found if row.whole]
+    assert all(not row.paired for row in rows)
+    # of another scene, in which nothing is alike, all batches tell more
+    empty = sphere(0.0, batches=6)
+    row = pz.compare(empty, long)[ESCAPED]
+    assert row.whole
+    assert (row.a, row.b) == (empty.quantity(ESCAPED), other)
+    assert row.difference == other.value - empty.quantity(ESCAPED).value
+    assert row.ratio == pytest.approx(other.value / empty.quantity(ESCAPED).value, rel=1e-15)
+    assert abs(row.difference - (escapes(0.97) - escapes(0.0))) < 4.0 * row.sigma
+
+
+def test_lines_are_called_by_their_wavelengths(tmp_path, capsys):
+    scene = pz.load("dispersing-prism")
+    for seed, name in enumerate(("a", "b")):
+        pz.trace(scene, seed=seed, batches=2, rays_per_batch=256).save(
+            tmp_path / name, figures=False
+        )
+    assert main(["compare", str(tmp_path / "a"), str(tmp_path / "b")]) == 0
+    out = capsys.readouterr().out
+    for line in scene.spectrum.names:
+        assert f"screen, {line}" in " ".join(out.split())
+    assert "by_wave" not in out
+
+
 def test_what_one_run_alone_has_is_named(white):
     found = pz.compare(white, pz.trace("box-room", batches=24, rays_per_batch=256))
     assert "ledger.absorbed.wall" in found.only_a

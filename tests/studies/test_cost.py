@@ -18,7 +18,7 @@ from photizon_cl.result.stopping import achieved_sigma
 from photizon_cl.studies.cost_files import check_folder, save
 from photizon_cl.studies.costing import Study
 from photizon_cl.studies.knobs import KNOBS, Option, as_it_stands
-from photizon_cl.studies.trial import Bins, Trial
+from photizon_cl.studies.trial import Bins, Trial, _curve, firm
 from photizon_cl.views.report.writing import beside
 
 pytestmark = pytest.mark.usefixtures("built_quickly")
@@ -438,3 +438,35 @@ def test_all_knobs_of_a_scene_that_splits():
     assert found["cap 4"].bias < 0.0
     assert found["one child"].interactions_per_s > 0.0
     assert found["mixed"].closure <= 1e-15
+
+
+def test_before_anything_came_no_target_is_met():
+    """One arrival in the first 16 batches, then some in each: σ began far below what it is."""
+    values = np.zeros(400)
+    values[7] = 1e-3
+    values[16:] = np.random.default_rng(1).poisson(0.2, 384)
+    curve = _curve(values, float(values.mean()))
+    assert min(sigma for n, sigma in curve if n >= 8) < 0.01  # as if 1 % were known at once
+    kept = dict(firm(curve))
+    last = math.sqrt(400) * kept[400]
+    assert kept[400] == dict(curve)[400]
+    assert all(sigma * math.sqrt(n) >= 0.5 * last for n, sigma in kept.items())
+    assert 8 not in kept
+    assert len(kept) > 350
+    # of what comes all the time nothing is left out from the eighth batch on
+    steady = _curve(np.random.default_rng(2).normal(1.0, 0.1, 400), 1.0)
+    assert {n for n, _ in steady if n >= 8} <= set(dict(firm(steady)))
+
+
+def test_a_rare_arrival_does_not_make_a_target_cheap():
+    tables = pz.load("integrating-sphere").to_dict()
+    # through a port of a part in 10^4: nothing escapes in most of the first batches
+    tables["element"][0]["port_fraction"] = 2e-5
+    scene = pz.load(tables).replace({"run.rays_per_batch": 64, "run.generation_cap": 40})
+    trial = traced(as_it_stands(scene), 64)
+    row = trial.row(trial)
+    last = row.sigma / row.estimate
+    assert last > 0.1
+    for target in row.targets:
+        assert target.measured_seconds is None
+        assert target.predicted_seconds > row.seconds * (last / target.target) ** 2 * 0.9
