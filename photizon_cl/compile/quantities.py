@@ -109,7 +109,8 @@ def quantity_of(name: str, scene: Scene, layout: TallyLayout) -> Quantity:
     if parts == ["far_field"] and line is None:
         if not layout.n_mu:
             raise ArgumentError(
-                f"{name}: found no far field in the scene, expected one: [far_field] adds it"
+                f"{name}: found no far field in the scene, expected a scene with one: "
+                "[far_field] adds it"
             )
         return Quantity("far_field", layout.far_field, layout.n_mu * layout.n_phi)
     if parts[:2] == ["ledger", "absorbed"] and len(parts) == 3:
@@ -142,8 +143,10 @@ def watched(scene: Scene, layout: TallyLayout, names: Sequence[str] | None) -> t
         try:
             found.append(quantity_of(name, scene, layout))
         except ArgumentError as error:
-            expected = str(error).partition(", expected ")[2]
-            problems.append(Problem("run.target_on", show(name), expected))
+            found_there, _, expected = str(error).partition(", expected ")
+            why = found_there.rpartition(": found ")[2]
+            hint = "" if why == show(name) else f"found {why}"
+            problems.append(Problem("run.target_on", show(name), expected, hint=hint))
     if problems:
         raise SceneError(problems)
     return tuple(found)
@@ -179,7 +182,7 @@ def _part(
     if line is None:
         return row
     if scene.spectrum is None:
-        raise ArgumentError(f"{name}: found no [spectrum] in the scene, expected one")
+        raise ArgumentError(f"{name}: found no [spectrum] in the scene, expected a scene with one")
     _check_line(name, line, layout.parts)
     return Quantity(f"{row.name}.{BY_LINE}[{line}]", layout.part(row.first, line))
 
@@ -200,8 +203,8 @@ def _of_detector(
     if line is not None:
         if not d.wavelengths:
             raise ArgumentError(
-                f"{name}: found no lines told apart on that detector, expected them: "
-                "wavelengths = true does so"
+                f"{name}: found no lines told apart on that detector, expected one that tells "
+                "them apart: detector = { wavelengths = true }"
             )
         _check_line(name, line, d.wavelengths)
         by = f".{BY_LINE}[{line}]"
@@ -214,7 +217,8 @@ def _of_detector(
     if parts[2:] == ["map"]:
         if not d.nx:
             raise ArgumentError(
-                f"{name}: found no map on that detector, expected one: map = [nx, ny] adds it"
+                f"{name}: found no map on that detector, expected one with a map: "
+                "detector = { map = [nx, ny] }"
             )
         return Quantity(f"{stem}.map{by}", first("map", d.map), d.nx * d.ny)
     if len(parts) == 4 and parts[2] == "ladder" and isinstance(parts[3], int):
@@ -229,7 +233,8 @@ def _of_detector(
 def _check_generation(name: str, generation: int, d: DetectorCells) -> None:
     if not d.n_generations:
         raise ArgumentError(
-            f"{name}: found no ladder on that detector, expected one: generations = N adds it"
+            f"{name}: found no ladder on that detector, expected one with a ladder: "
+            "detector = { generations = N }"
         )
     if generation >= d.n_generations:
         raise ArgumentError(
