@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.checks.precision import Precision
     from photizon_cl.compile.compiled import CompiledScene
+    from photizon_cl.result.outlay import Outlay
     from photizon_cl.scene.described import Described
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
@@ -174,6 +175,7 @@ def _pilot(scene: Scene, precision: str) -> tuple[list[str], list[str]]:
     """Return what a pilot found, a line each, and what of that is worth a second look."""
     from hostcode.errors import HostError
     from photizon_cl.errors import PhotizonError
+    from photizon_cl.result.outlay import Untold
     from photizon_cl.run.media import clashing_media
     from photizon_cl.run.outlay import outlay
     from photizon_cl.run.pilot import counted_by_pilot, pilot
@@ -183,13 +185,12 @@ def _pilot(scene: Scene, precision: str) -> tuple[list[str], list[str]]:
         clashes = [*counted_by_pilot(scene, precision=precision), *clashing_media(scene)]
     except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
         return [f"pilot: none was traced: {str(error) or 'no memory is left for it'}"], []
-    time = None
+    time: Outlay | Untold = Untold("the pilot's rays take too long")
     with suppress(PhotizonError, HostError, MemoryError):  # fewer rays than a run has may not do
-        time = outlay(scene, precision=precision) if found.complete else None
-    untold = "not told: the rays that there was time for do not say how long the target takes"
-    told = [f"pilot: {found}", f"time: {untold if time is None else time}"]
-    advice = [found.before(scene.run.rays_per_batch), "" if time is None else time.advice()]
-    return told, [*clashes, *filter(None, advice)]
+        time = outlay(scene, precision=precision) if found.complete else time
+    told = [f"pilot: {found}", f"time: {time}"]
+    before = found.before(scene.run.rays_per_batch)
+    return told, [*clashes, *filter(None, [before]), *time.advice()]
 
 
 def _memory(compiled: CompiledScene) -> str:

@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-__all__ = ["Outlay"]
+from photizon_cl.errors import show
+
+__all__ = ["Outlay", "Untold"]
 
 _MOST_LIT: Final = 0.8
 """Part of the bins below which the others are worth a word."""
+_NAMED: Final = 4
+"""Detectors that a sentence names."""
 _LONG: Final = 1.5
 """Times `max_seconds` that a target must take for a word: what is told may be off by a third."""
 
@@ -31,6 +35,8 @@ class Outlay:
         Part of the maps' bins that those rays light, 1 where the target is on none.
     max_seconds : float
         Time at which the run ends.
+    dark : tuple of str
+        Elements at whose detectors none of the rays arrived.
     """
 
     rays: int
@@ -41,6 +47,7 @@ class Outlay:
     batches: float
     lit: float
     max_seconds: float
+    dark: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         aim = f"{100.0 * self.target:g} %"
@@ -56,16 +63,59 @@ class Outlay:
             f"{_time(self.high)}), {n} batch{'es' * (n != 1)}, as {self.rays} rays tell{dark}"
         )
 
-    def advice(self) -> str:
-        """Return a sentence where the run's time will not do; else nothing."""
+    def advice(self) -> list[str]:
+        """Return what deserves a second look: dark detectors, time that will not do."""
+        found = _unlit(self.rays, self.dark)
         if self.seconds < _LONG * self.max_seconds:
-            return ""
+            return found
         reached = self.target * (self.seconds / self.max_seconds) ** 0.5
-        return (
-            f"the target of {100.0 * self.target:g} % takes about {_time(self.seconds)} here, and "
-            f"max_seconds ends the run after {_time(self.max_seconds)}, at about "
+        late = (
+            f"the target of {100.0 * self.target:g} % takes about {_time(self.seconds)} here, "
+            f"and max_seconds ends the run after {_time(self.max_seconds)}, at about "
             f"{100.0 * reached:.2g} %: raise max_seconds, or target_sigma"
         )
+        return [*found, late]
+
+
+@dataclass(frozen=True)
+class Untold:
+    """Why nothing is told of a run's time.
+
+    Parameters
+    ----------
+    why : str
+        A clause.
+    rays : int
+        Traced.
+    dark : tuple of str
+        Elements at whose detectors none of them arrived.
+    """
+
+    why: str
+    rays: int = 0
+    dark: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"not told: {self.why}"
+
+    def advice(self) -> list[str]:
+        """Return what deserves a second look: dark detectors."""
+        return _unlit(self.rays, self.dark)
+
+
+def _unlit(rays: int, dark: tuple[str, ...]) -> list[str]:
+    """Return a sentence about the detectors at which no ray arrived; none where there are none."""
+    if not dark:
+        return []
+    named = ", ".join(map(show, dark[:_NAMED]))
+    more = f" and {len(dark) - _NAMED} more" if len(dark) > _NAMED else ""
+    detectors = "detector" if len(dark) == 1 else "detectors"
+    said = (
+        f"of {rays} rays none arrives at the {detectors} on {named}{more}: is it where light goes, "
+        "and does it face it (photizon show draws that)? Where next to no light is meant to "
+        "arrive, a run takes long"
+    )
+    return [said]
 
 
 def _time(seconds: float) -> str:

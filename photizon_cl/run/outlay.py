@@ -14,7 +14,7 @@ from hostcode.run.usual import usual_plan
 from photizon_cl.checks.precision import DEFAULT
 from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.needed import batches_needed
-from photizon_cl.result.outlay import Outlay
+from photizon_cl.result.outlay import Outlay, Untold
 from photizon_cl.result.statistics import LIT_COUNT, Accumulator, complete
 from photizon_cl.result.stopping import LEAST_BATCHES, judged
 from photizon_cl.run.distribution import compute, make_engine, open_chosen
@@ -40,7 +40,7 @@ _SIDES: Final = 2.0
 
 def outlay(
     scene: Scene, device: DeviceRecord | str | None = None, *, precision: str = DEFAULT
-) -> Outlay | None:
+) -> Outlay | Untold:
     """Tell how long a scene's run takes to its target.
 
     The program is that of the run, so that one which follows need not build it.
@@ -55,9 +55,9 @@ def outlay(
 
     Returns
     -------
-    Outlay or None
-        None where the rays that there was time for do not tell: a batch of few takes longer, too
-        little arrives, or the scene has very many bins.
+    Outlay or Untold
+        `Untold` where the rays that there was time for do not tell: a batch of few takes longer,
+        too little arrives, or the scene has very many bins.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def outlay(
         scene, dataclasses.replace(run, rays_per_batch=rays), precision=precision
     )
     if compiled.layout.n_cells > _MOST_CELLS:
-        return None
+        return Untold("the scene has very many bins, and each batch takes long by them alone")
     record = open_chosen(device).record
     engine = make_engine(device, compiled.tables, usual_plan(record, compiled.tables))
     tally = Accumulator.of(compiled.layout)
@@ -88,18 +88,28 @@ def outlay(
             n = min(2 * n, max(round(0.3 * _SECONDS * n / took), 1), _MOST_BATCHES - tally.batches)
     except Abandoned:
         pass
+    traced = tally.batches * rays
     if tally.batches < LEAST_BATCHES:
-        return None
-    needed, spread = batches_needed(compiled.layout, tally, run.target_sigma)
+        return Untold(f"a batch of {rays} rays takes longer than there was time for")
+    layout = compiled.layout
+    dark = tuple(
+        scene.element[d.element].name for d in layout.detectors if not tally.counts(d.power, 1)[0]
+    )
+    needed, spread = batches_needed(layout, tally, run.target_sigma)
     if not math.isfinite(needed):
-        return None
+        few = (
+            "too little arrives of"
+            if len(dark) < len(layout.detectors) or not dark
+            else ("nothing arrives of")
+        )
+        return Untold(f"{few} {traced} rays where the target is", traced, dark)
     pace = timed / (tally.batches - 1) / rays
     batches = max(needed * rays / run.rays_per_batch, float(LEAST_BATCHES))
     factor = math.exp(_SIDES * math.hypot(spread, _PACE))
     seconds = batches * run.rays_per_batch * pace
     return Outlay(
-        tally.batches * rays, run.target_sigma, seconds, seconds / factor, seconds * factor,
-        batches, _lit(compiled.layout, tally), run.max_seconds,
+        traced, run.target_sigma, seconds, seconds / factor, seconds * factor,
+        batches, _lit(layout, tally), run.max_seconds, dark,
     )  # fmt: skip
 
 

@@ -46,9 +46,26 @@ def test_nothing_is_told_where_nothing_arrives_or_bins_are_too_many():
             )
         ],
     )  # fmt: skip
-    assert outlay(scene) is None
+    told = outlay(scene)
+    assert str(told).startswith("not told: nothing arrives of ")
+    (said,) = told.advice()
+    assert f'of {told.rays} rays none arrives at the detector on "r": is it where' in said
     wide = dataclasses.replace(scene.element[0], detector=pz.Detector(map=(2048, 2048)))
-    assert outlay(dataclasses.replace(scene, element=(wide,))) is None
+    told = outlay(dataclasses.replace(scene, element=(wide,)))
+    assert str(told).startswith("not told: the scene has very many bins")
+    assert told.advice() == []
+
+
+def test_a_dark_detector_beside_a_lit_one_is_told():
+    tables = pz.load("cosine-fourth").to_dict()
+    aside = {
+        "name": "aside", "kind": "disk", "position": [0, 0, 5.0], "axis": "+z", "radius": 0.1,
+        "surface": {"kind": "absorber"}, "detector": {},
+    }  # fmt: skip
+    told = outlay(pz.load({**tables, "element": [*tables["element"], aside]}))
+    assert told.seconds > 0.0
+    assert told.dark == ("aside",)
+    assert any('the detector on "aside"' in text for text in told.advice())
 
 
 def test_where_the_time_will_not_do_it_is_advised():
@@ -63,12 +80,13 @@ def test_where_the_time_will_not_do_it_is_advised():
         "may take far longer"
     )
     # four times the seconds are twice the σ
-    assert told.advice() == (
+    (said,) = told.advice()
+    assert said == (
         "the target of 1 % takes about 4 min here, and max_seconds ends the run after 60 s, at "
         "about 2 %: raise max_seconds, or target_sigma"
     )
-    assert dataclasses.replace(told, seconds=89.0).advice() == ""
-    assert "at about" in dataclasses.replace(told, seconds=91.0).advice()
+    assert dataclasses.replace(told, seconds=89.0).advice() == []
+    assert "at about" in dataclasses.replace(told, seconds=91.0).advice()[0]
 
 
 @pytest.mark.parametrize(
