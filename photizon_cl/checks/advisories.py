@@ -6,14 +6,19 @@ import math
 from typing import TYPE_CHECKING
 
 from photizon_cl.checks.coarse import coarse
-from photizon_cl.checks.coatings import coarse_phases
+from photizon_cl.checks.coatings import coarse_phases, idle_films
 from photizon_cl.checks.coincident import coincident_faces
 from photizon_cl.checks.directions import coarse_directions
 from photizon_cl.checks.gaps import lost_gaps
 from photizon_cl.checks.importance import idle_importance
 from photizon_cl.checks.polarisation import idle_polarisation
 from photizon_cl.checks.precision import DEFAULT, mode_of
-from photizon_cl.checks.spectrum import other_glasses, paths_of_all, tables_that_end
+from photizon_cl.checks.spectrum import (
+    other_glasses,
+    paths_of_all,
+    tables_that_end,
+    tiny_waves,
+)
 from photizon_cl.scene.elements.base import OTHER_SIDE
 from photizon_cl.scene.faces import Ball
 from photizon_cl.scene.frames import to_local
@@ -56,11 +61,13 @@ def advisories(scene: Scene, precision: str = DEFAULT) -> list[str]:
     found += lost_gaps(scene, roundoff)
     found += coarse_directions(scene, roundoff)
     found += coarse_phases(scene, roundoff)
+    found += idle_films(scene)
     found += idle_importance(scene)
     found += idle_polarisation(scene)
     found += _idle_media(scene)
     found += _nameless_media(scene)
     found += tables_that_end(scene)
+    found += tiny_waves(scene)
     found += other_glasses(scene)
     found += paths_of_all(scene)
     found += _capped_cavities(scene)

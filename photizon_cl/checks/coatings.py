@@ -1,4 +1,4 @@
-"""Films so thick that a precision cannot carry their phases."""
+"""Films so thick that a precision cannot carry their phases, and so thin that they do nothing."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from photizon_cl.scene.model import Scene
 
-__all__ = ["coarse_phases"]
+__all__ = ["coarse_phases", "idle_films"]
 
 _ROUNDINGS: Final = 4.0
 """Roundings of a phase: of wavelength, thickness, the root in a layer and their product."""
@@ -45,4 +45,21 @@ def coarse_phases(scene: Scene, roundoff: float) -> Iterator[str]:
                 f"{shortest:.9g} nm, and its phases are rounded by {error:.1e} rad: what it "
                 "reflects is as far off; "
                 + ("take double precision" if noted == _NOTED_SINGLE else "make a body of it")
+            )
+
+
+def idle_films(scene: Scene) -> Iterator[str]:
+    """Give a sentence for each element with a film that is given, and too thin to act."""
+    if scene.spectrum is None:
+        return
+    shortest = scene.spectrum.ends_nm[0]
+    for element in scene.element:
+        coats = [coat for surface in element.surfaces if (coat := surface.coat) is not None]
+        film = next(filter(None, (coat.idle(shortest) for coat in coats)), None)
+        if film is not None:
+            path, thickness = film
+            yield (
+                f'element "{element.name}": {path} of the coating is {thickness:.9g} nm thick, '
+                f"which is next to nothing beside {shortest:.9g} nm: it does nothing; a thickness "
+                "is given in nanometres"
             )

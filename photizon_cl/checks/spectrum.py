@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from photizon_cl.errors import show
 from photizon_cl.scene.curves import Curve
@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from photizon_cl.scene.media.medium import Medium
     from photizon_cl.scene.model import Scene
 
-__all__ = ["other_glasses", "paths_of_all", "tables_that_end"]
+__all__ = ["other_glasses", "paths_of_all", "tables_that_end", "tiny_waves"]
+
+_OPTICAL_NM: Final = 10.0
+"""Wavelength below which no lens, mirror or coating acts as the scene's do: X-rays."""
 
 
 def other_glasses(scene: Scene) -> Iterator[str]:
@@ -70,3 +73,14 @@ def tables_that_end(scene: Scene) -> Iterator[str]:
                     f"{ends[-1]:.9g} nm; at {at}{more} it is taken as at its end: "
                     f"{value:.6g}{unit} as at {end:.9g} nm"
                 )
+
+
+def tiny_waves(scene: Scene) -> Iterator[str]:
+    """Give a sentence where all light is X-rays by its wavelengths."""
+    longest = scene.spectrum.ends_nm[1] if scene.spectrum is not None else _OPTICAL_NM
+    if longest < _OPTICAL_NM:
+        yield (
+            f"the longest wavelength of [spectrum] is {longest:.9g} nm, which is an X-ray: "
+            f"wavelengths are given in nanometres, so that {longest:.9g} µm is "
+            f"{1e3 * longest:.9g}"
+        )

@@ -164,7 +164,10 @@ def _print(table: PathTable, arguments: argparse.Namespace, emitted: float, out:
         part = f"{row.power / emitted:.3g} of emitted"
         ghost = f", ghost of order {row.ghost_order}" if row.ghost_order else ""
         head = f"{n:>3}  {power} W{' ± ' + error if row.sigma is not None else ''}  ({part}"
-        out.print(f"{head}, {row.count} arrivals{ghost}; ray {row.example_ray})", soft_wrap=True)
+        out.print(
+            f"{head}, {row.count} arrival{'s' * (row.count != 1)}{ghost}; ray {row.example_ray})",
+            soft_wrap=True,
+        )
         out.print(paragraph(row.sequence, "     "), soft_wrap=True)
     if not table.complete:
         text = "there were more paths than are kept: one that was met late is in the rest"

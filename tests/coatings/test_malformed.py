@@ -168,6 +168,28 @@ def test_a_coated_border_of_equal_indices_is_one():
     assert not [a for a in pz.advisories(coated) if "same index on both sides" in a]
 
 
+@pytest.mark.parametrize(("thickness", "told"), [(99.64, False), (0.09964, True), (0.0, False)])
+def test_a_film_in_another_unit_is_told(thickness, told):
+    stack = {"kind": "stack", "layers": [
+        {"index": 1.38, "thickness_nm": 100.0}, {"index": 1.38, "thickness_nm": thickness},
+    ]}  # fmt: skip
+    said = pz.advisories(pz.load(tables({**GLASS, "coating": stack}, LINES)))
+    assert any("layers[1] of the coating is 0.09964 nm thick" in text for text in said) is told
+
+
+@pytest.mark.parametrize(("nm", "told"), [([0.45, 0.65], True), ([450.0, 650.0], False)])
+def test_wavelengths_in_another_unit_are_told(nm, told):
+    said = pz.advisories(pz.load(tables(GLASS, {"wavelengths_nm": nm})))
+    assert any("so that 0.65 µm is 650" in text for text in said) is told
+
+
+def test_a_list_without_names_is_counted():
+    scene = pz.load(tables({**GLASS, "coating": STACK}, LINES))
+    name = scene.element[0].name
+    with pytest.raises(pz.ArgumentError, match=r'found "index", expected a number in brackets'):
+        scene.replace({f"element.{name}.surface.coating.layers.index": 1.4})
+
+
 def test_who_cements_is_told_of_the_coating():
     glass = pz.Fresnel(1.5, coating=pz.FixedCoating(0.01, 0.99))
     lens = pz.Lens(

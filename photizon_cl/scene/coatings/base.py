@@ -96,6 +96,10 @@ class Coating(Described):
         """Return how many wavelengths of its own light it is thick; 0 where that does not count."""
         return 0.0
 
+    def idle(self, nm: float) -> tuple[str, float] | None:
+        """Return path and thickness in nanometres of what of it is too thin to act; else None."""
+        return None
+
     @abstractmethod
     def parts(self, met: Meeting, nm: float | None) -> tuple[Array, Array]:
         """Return reflectance and transmittance below the critical angle, and beyond it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 __all__ = ["Amplitudes", "Layer", "StackCoating"]
 
 MOST_LAYERS: Final = 1000
+_ACTS: Final = 1e-3
+"""Part of a wavelength that a film is thick, below which it does next to nothing."""
 THICKEST_NM: Final = 1e6
 """A millimetre: what is thicker than the light is coherent is a body of its own."""
 
@@ -255,6 +258,13 @@ class StackCoating(Coating):
     def waves(self, nm: float) -> float:
         """Return how many wavelengths of its own light it is thick."""
         return sum(y.index * y.thickness_nm for y in self.layers) / nm
+
+    def idle(self, nm: float) -> tuple[str, float] | None:
+        """Return the first layer that is given a thickness, and one far below a wavelength."""
+        for n, y in enumerate(self.layers):
+            if 0.0 < math.hypot(y.index, y.extinction) * y.thickness_nm < _ACTS * nm:
+                return f"layers[{n}]", y.thickness_nm
+        return None
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return the thickness of all layers together."""
