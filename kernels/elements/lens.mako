@@ -121,7 +121,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         is_in = ${" & ".join(f"SELM(on{n}, goes_minus{n}, in{n})" for n in range(3))};
         const mask hits = (on0 | on1 | on2) & (was_in ^ is_in), moves = INE(p->left, lsplat(NO_FACE));
 % for n, (a, b) in enumerate(((1, 2), (0, 2), (0, 1))):
-        starts${n} = moves & ${point("lens.rim", f"(hits | (was{a} & was{b}))")} & on${n} & (minus${n} ^ goes_minus${n});
+        starts${n} = moves & (hits | (was${a} & was${b})) & on${n} & (minus${n} ^ goes_minus${n});
 % endfor
     }
 % else:
