@@ -44,7 +44,7 @@ FN mask within_${name}_${cls.suffix}(__global const double *row, const quadric_t
     const real x = fma(t, r->dx, r->x), y = fma(t, r->dy, r->y), w = fma(t, r->dw, r->w);
     // of the place over the middle, whose height w was taken from; what is farther away than the lens is not at
     // its rims
-    near += fmin((fabs(x) + fabs(y) + fabs(w) + fabs(splat(${"row[LENS_HALF]" if name == "edge" else f"row[LENS_{name.upper()}_VERTEX]"}))) * R(4.0 * UNIT_ROUNDOFF), splat(row[LENS_MOST] - row[LENS_NEAR]));
+    near ${point("lens.grown", "+=")} fmin((fabs(x) + fabs(y) + fabs(w) + fabs(splat(${"row[LENS_HALF]" if name == "edge" else f"row[LENS_{name.upper()}_VERTEX]"}))) * R(4.0 * UNIT_ROUNDOFF), splat(row[LENS_MOST] - row[LENS_NEAR]));
     const real slide = quadric_slide(q, a, quadric_steepness(q, x, y, w), s, near);
     return in_${name}_${cls.suffix}(row, x, y, w, fma(slide, fabs(r->dw), near),
                               fma(slide, fabs(r->dx) + fabs(r->dy), near));
@@ -153,7 +153,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
         // in a corner, rounding may have put the start of a ray that is inside behind the other face
         const mask corner = ours & inside & ~left${n} & LE(fabs(height${n}), near) & GT(start${n}.b, zero)
             & in_${name}_${cls.suffix}(row, r.x, r.y, r${n}.w, near, near);
-        const mask here = corner | starts${n};
+        const mask here = ${point("lens.corner", "corner")} | starts${n};
         t = SEL(here, zero, t);
         ok |= here;
         const mask closer = ok & LT(t, best);
@@ -162,7 +162,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     }
 % endfor
     // from inside there is always an exit, no farther than the box around the lens, whatever rounding says
-    const mask lost = alive & inside & ~LT(best, splat(INFINITY));
+    const mask lost = ${point("lens.lost", "alive & inside & ~LT(best, splat(INFINITY))")};
     if (ANY(lost)) {
         real to_edge, s;
         quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, &to_edge, &s);
@@ -189,7 +189,7 @@ FN void shape_${cls.suffix}(const scene_t *scene, lint row, lint face, real *px,
     const real sag = gather(scene->geometry + LENS_FRONT_SAG, column), vertex = gather(scene->geometry + LENS_FRONT_VERTEX, column);
     const real sign = SEL(back, splat(-1.0), splat(1.0)), ck = c * kappa;
     real x = *px, y = *py, w = fma(sign, *pz, -vertex);
-    for (int step = 0; step < 2; step++) {
+    for (int step = 0; step < ${point("lens.projections", 2)}; step++) {
         const real cx = c * x, cy = c * y, g = fma(ck, w, splat(1.0));
         const real f = fma(cx, x, fma(cy, y, w * (g + R(1.0))));
         const real k = R(-0.5) * f / fma(cx, cx, fma(cy, cy, g * g));

@@ -72,7 +72,7 @@ FN mask quadric_crossing(const quadric_t *q, const meridian_t *r, real a, quadri
 FN real quadric_chord(const quadric_t *q, const meridian_t *r, real a, quadric_form_t start, bool polishes) {
     real t = R(2.0) * fabs(start.b) / fabs(a);
     // twice: the chord of a ray that grazes the surface it left is good to no more than a few digits
-    if (polishes) t = fmax(quadric_polish(q, r, a, quadric_polish(q, r, a, t)), splat(0.0));
+    if (polishes) t = fmax(quadric_polish(q, r, a, ${point("quadric.polished", "quadric_polish(q, r, a, t)")}), splat(0.0));
     return t;
 }
 
