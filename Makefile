@@ -23,7 +23,7 @@ BIN   := $(VENV)/bin
 TESTS := $(VENV)/.stamp-test$(if $(filter pypi,$(INTEL)),-intel)
 INPUTS := pyproject.toml .ci/setup
 
-.PHONY: run test lint types docs bench gpu clean
+.PHONY: run test lint types docs pages bench gpu clean
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.stamp-run
@@ -42,6 +42,10 @@ types: $(TESTS)
 # Warnings are errors; nothing is fetched.
 docs: $(TESTS)
 	$(BIN)/python -m sphinx -W --keep-going -n -b html docs docs/_build/html
+
+# Every example of every page, with what it prints; the tests run those that are quick.
+pages: $(TESTS)
+	$(BIN)/python -m pytest -n $(WORKERS) -m "not tracers" tests/docs/test_examples.py
 
 bench: $(VENV)/.stamp-run
 	$(BIN)/python -m benchmarks

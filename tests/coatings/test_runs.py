@@ -268,7 +268,8 @@ def test_a_coating_beside_bare_glass_changes_no_bit_of_it(number):
     assert runs[0].digest == runs[1].digest
 
 
-@pytest.mark.parametrize("number", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (5, 8))])
+@pytest.mark.slow  # four programs each; of one scene of every kind of coating: above
+@pytest.mark.parametrize("number", [2, 5, 8])
 def test_random_scenes_with_coatings_are_one_whatever_runs_them(number):
     """Every border of a random scene coated at random: lanes, waves and stages change no bit."""
     tables = {**random_scene(number, rays=200), "spectrum": LINES}
@@ -299,6 +300,7 @@ def test_other_precisions_have_the_same_shares(precision):
 # -- sweeps, replacing -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_layer_is_swept_in_one_program():
     scene = window(MGF2, spectrum={"wavelengths_nm": [550.0]}, detector={})
     changes = {"element.front.surface.coating.layers[0].thickness_nm": 0.0}

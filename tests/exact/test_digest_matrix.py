@@ -125,11 +125,17 @@ CHOICES: dict[str, dict[str, Any]] = {
 BUILDS = {"K = 1": "ghost-ladder", "groups of 4": "box-room", "interleaved queue": "ghost-ladder"}
 
 
+LONG = ("K = 1",)
+"""A launch for every bounce; all of the classical composition's are of one as well."""
+
+
 @pytest.mark.parametrize(
     ("choice", "name"),
     [
         pytest.param(
-            choice, name, marks=pytest.mark.slow if BUILDS.get(choice, name) != name else ()
+            choice,
+            name,
+            marks=pytest.mark.slow if BUILDS.get(choice, name) != name or choice in LONG else (),
         )
         for choice in CHOICES
         for name in SCENES

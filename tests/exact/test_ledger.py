@@ -14,6 +14,8 @@ from photizon_cl.scene.presets import preset_names
 
 LIKE_OTHERS = ("cassegrain", "square-lightpipe")
 """Presets whose elements the baffled ones have as well, the telescope and the tube."""
+BRIEFLY = ("absorbing-cuvette", "box-room", "ghost-ladder", "polariscope", "scattering-mirror")
+"""One of each thing that makes a ledger's rows."""
 every_preset = pytest.mark.parametrize(
     "name",
     [
@@ -23,7 +25,14 @@ every_preset = pytest.mark.parametrize(
 )
 
 
-@every_preset
+# a program a preset; tests/benchmarks compares the tallies of all with stored ones, which closed
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in BRIEFLY else pytest.mark.slow)
+        for name in preset_names()
+    ],
+)
 def test_every_preset_closes_in_every_batch(name: str) -> None:
     found = trace(name, batches=8, rays_per_batch=4096)
     gates.closes(found)

@@ -39,7 +39,7 @@ def part_of(family: str) -> Row:
     for scene in scenes:
         found += measure(open_device(), [case for case in cases if case.elements == scene])
         firm = family == "shared edges" or sum(m.firm for m in found) >= 30
-        if firm and len(found) >= 48 and sum(bool(m.errors) for m in found) >= 30:
+        if firm and len(found) >= 36 and sum(bool(m.errors) for m in found) >= 30:
             break
     return Row(family, tuple(found), 0.0)
 

@@ -120,9 +120,8 @@ def test_a_scene_without_has_nothing_of_it():
         assert ("polarisation" in str(scene.to_dict()["run"])) == scene.run.polarisation
 
 
-@pytest.mark.parametrize(
-    ("precision", "close"), [("mixed", 3e-6), pytest.param("fp32", 3e-6, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow  # seven programs each
+@pytest.mark.parametrize(("precision", "close"), [("mixed", 3e-6), ("fp32", 3e-6)])
 def test_other_precisions(precision, close):
     for seed in (0, 1, 4):
         scene = chain(seed, 6, TOLD)

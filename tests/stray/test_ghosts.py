@@ -111,7 +111,9 @@ def expected(first, second, sensor, n=200_000):
     return float(w[lands].sum())
 
 
-@pytest.mark.parametrize("sensor", [HALF, (0.02, 0.02)], ids=["small", "large"])
+@pytest.mark.parametrize(
+    "sensor", [HALF, pytest.param((0.02, 0.02), marks=pytest.mark.slow)], ids=["small", "large"]
+)
 def test_six_ghosts_are_those_of_a_sequential_trace(sensor):
     """False alarms: 6 comparisons at 5 σ with 15 degrees of freedom, 1e-3."""
     table = pz.trace(ghosts(sensor), batches=16).detectors["sensor"].paths

@@ -19,7 +19,7 @@ from photizon_cl.result import keyed_sums
 from photizon_cl.result.statistics import complete
 
 # a program or more a test, for few rays
-pytestmark = pytest.mark.usefixtures("built_quickly", "one_lane")
+pytestmark = pytest.mark.usefixtures("one_lane")
 
 
 @pytest.mark.parametrize(
