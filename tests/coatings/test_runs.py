@@ -285,7 +285,8 @@ def test_random_scenes_with_coatings_are_one_whatever_runs_them(number):
     assert max(map(abs, one.closures())) <= 1e-14
 
 
-@pytest.mark.parametrize("precision", ["mixed", pytest.param("fp32", marks=pytest.mark.slow)])
+@pytest.mark.slow  # four programs each
+@pytest.mark.parametrize("precision", ["mixed", "fp32"])
 def test_other_precisions_have_the_same_shares(precision):
     scene = window(MGF2, 30.0, spectrum=LINES, detector={"generations": 4})
     wide, narrow = (

@@ -11,8 +11,9 @@ from photizon_docs.tables import GROUPS
 
 # Programs of the largest scenes, and of folders of tests that show the same; `make pages` runs all.
 SLOW = (
-    "coatings.md", "importance-sampling.md", "many-machines.md", "media.md", "polarisation.md",
-    "results.md", "reverse-traces.md", "scatter.md", "stray-light.md", "sweeps.md", "tutorial.md",
+    "coatings.md", "error-bars.md", "importance-sampling.md", "many-machines.md", "media.md",
+    "polarisation.md", "results.md", "reverse-traces.md", "scatter.md", "stray-light.md",
+    "sweeps.md", "tutorial.md",
 )  # fmt: skip
 WRITTEN = sorted(p.name for p in (ROOT / "docs").glob("*.md") if p.name != "add-a-kind.md")
 KINDS = [(group, kind) for group, kinds in GROUPS.items() for kind in kinds]

@@ -394,6 +394,7 @@ def test_maps_beyond_memory_are_pictures_of_the_same_bins(result, monkeypatch):
     assert image.origin == "lower"
 
 
+@pytest.mark.slow
 def test_large_maps_take_seconds(tmp_path):
     made = make(tables(rectangle(name="t", detector={"map": [2048, 2048]})), poisson(10.0), 1)
     started = time.process_time()

@@ -221,6 +221,11 @@ def test_names_that_the_locale_cannot_write(tmp_path):
     figures = os.listdir(tmp_path / "outö" / "figures")
     assert "map-größe_ω.png" in figures
     assert sorted(pz.figures.figure_names(pz.open_result(tmp_path / "outö"))) == sorted(figures)
+
+
+@pytest.mark.slow
+def test_files_that_the_locale_cannot_write(tmp_path):
+    pz.load("box-room").replace({"title": "Räume"}).save(tmp_path / "größe.toml")
     more = "$P check nöx.toml; $P kinds größe; $P show größe.toml --rays 1"
     done = shell(more, tmp_path, **C_LOCALE)
     assert b"Traceback" not in done.stderr

@@ -53,7 +53,10 @@ MUTANTS = {
 
 # what is wrong stands in the text, whatever an optimiser makes of it
 @pytest.mark.usefixtures("itself_built_quickly")
-@pytest.mark.parametrize("mutant", MUTANTS)
+@pytest.mark.parametrize(
+    "mutant",
+    [pytest.param(m, marks=pytest.mark.slow if n % 2 else ()) for n, m in enumerate(MUTANTS)],
+)
 def test_a_device_that_gets_one_thing_wrong_fails_and_says_what(monkeypatch, device, mutant):
     sound = selftest.source(1)
     before, after = mutant.split("|")

@@ -23,6 +23,7 @@ def test_the_preset_is_the_curve_s_scene_at_19_degrees():
     assert made.tilt_deg == preset.tilt_deg
 
 
+@pytest.mark.slow  # of the curve at the same angle: below
 def test_default_run_meets_the_anchor():
     result = pz.trace("cpc-concentrator")
     power = result.detectors["exit"].power

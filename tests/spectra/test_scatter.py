@@ -71,6 +71,7 @@ def test_lanes_and_compositions_change_no_bit(by, splitting):
     assert found.count(detector.power) > 20
 
 
+@pytest.mark.slow
 def test_a_narrow_band_is_its_line():
     tables = spectra_scatter.everything(spectra_scatter.BY["lines"]).to_dict()
     del tables["source"][0]["spectrum"]
