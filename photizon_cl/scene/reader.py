@@ -96,7 +96,9 @@ def _similar(word: object, known: Iterable[str]) -> list[str]:
     text = str(word)
     if len(text) > MOST_CHARACTERS:
         return []
-    return difflib.get_close_matches(text.lower(), list(known), 1)
+    names, low = list(known), text.lower()
+    same = [name for name in names if name.lower() == low]
+    return same[:1] or difflib.get_close_matches(low, names, 1)
 
 
 class _Reader:

@@ -80,6 +80,8 @@ def known_glass(name: str) -> Dispersion | Problem:
     near = []
     if len(asked) <= MOST_CHARACTERS:
         near = difflib.get_close_matches(rest or asked, list(known), _MOST_NAMED)
+        # BK7 is N-BK7 sooner than K7
+        near.sort(key=lambda name: not name.lower().endswith(f"-{(rest or asked).lower()}"))
     hint = f"did you mean {' or '.join(map(show, near))}?" if near else ""
     return Problem("glass", show(name), f"one of the {len(known)} glasses there are", hint=hint)
 
