@@ -97,6 +97,20 @@ def test_pieces_are_within_what_they_promise_where_they_were_not_asked():
         assert off <= 1e-8 * lobe.greatest_tis()[0], name
 
 
+@pytest.mark.parametrize("least", [5e-324, 1e-310, 1e-100])
+def test_a_first_node_that_is_all_but_0_is_one_at_0(least):
+    """A piece as narrow as that would have the inverse of a subnormal number in its row."""
+    near, at_0 = (
+        pz.TableScatter(delta=(first, 0.2, 0.4, 1.3), bsdf_per_sr=(0.05, 0.3, 0.02, 0.1))
+        for first in (least, 0.0)
+    )
+    with np.errstate(over="raise", divide="raise", invalid="raise"):
+        pieces = near.pieces
+    assert np.isfinite(2.0 / np.diff(pieces.edges)).all()
+    assert np.array_equal(pieces.edges, at_0.pieces.edges)
+    assert near.total(ANGLES) == pytest.approx(at_0.total(ANGLES), rel=1e-12)
+
+
 def test_what_is_not_sent_on_scatters():
     """A beam on black paint: the share that escapes is TIS, for every ray alike."""
     for angle in (0.0, 33.0, 80.0):

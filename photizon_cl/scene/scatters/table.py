@@ -14,7 +14,7 @@ from photizon_cl.scene.declarations import declare
 from photizon_cl.scene.number_lists import Ascending
 from photizon_cl.scene.parameters import Number, Numbers
 from photizon_cl.scene.rows import NO_ROW, Row
-from photizon_cl.scene.scatters.base import Scatter
+from photizon_cl.scene.scatters.base import NARROWEST, Scatter
 from photizon_cl.scene.scatters.total import pieces_of
 
 if TYPE_CHECKING:
@@ -111,13 +111,17 @@ class TableScatter(Scatter):
 
     @property
     def width(self) -> float:
-        """The first Δ that is not 0: kinks are known besides."""
-        return next((d for d in self.delta if d > 0.0), 1.0)
+        """The first Δ that is told from 0: kinks are known besides."""
+        return next(iter(self.kinks), 1.0)
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Values of Δ where it is not smooth."""
-        return tuple(d for d in self.delta if d > 0.0)
+        """Values of Δ where it is not smooth.
+
+        Not those that no direction tells from 0: it is constant below the first node, and the next
+        one is far.
+        """
+        return tuple(d for d in self.delta if d > NARROWEST)
 
     @property
     def falls(self) -> bool:
