@@ -250,8 +250,10 @@ def _surfaces(scene: Scene) -> Iterator[str]:
     if splitters and reflectors and growing:
         other = next((name for name in reflectors if name != splitters[0]), None)
         back = f'and "{other}" can send both back' if other else "and either may meet it again"
+        first = scene.element[splitters[0]].surfaces
+        many = "four" if any(s.splits and s.lobe is not None for s in first) else "two"
         yield (
-            f'every hit on "{splitters[0]}" splits a ray in two {back}: '
+            f'every hit on "{splitters[0]}" splits a ray in {many} {back}: '
             f"with a generation cap of {run.generation_cap} and no roulette the number "
             "of children may grow without practical bound; set roulette_floor, for example 1e-6"
         )

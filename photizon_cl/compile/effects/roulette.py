@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 
 class Roulette(Effect):
-    """Rays below the floor go on with twice their weight or end, by chance."""
+    """Rays below the floor go on with more weight or end, by chance.
+
+    With twice it, each other one; with four times it, one in four, where a surface sends on four.
+    """
 
     name: ClassVar[str] = "roulette"
     what: ClassVar[str] = "rays of low weight survive by chance, with more weight"
@@ -37,8 +40,14 @@ class Roulette(Effect):
         return "roulette_floor is 0" + ("" if asked else ", as no ray splits")
 
     def heaviest(self, scene: Scene, settings: RunSettings) -> float:
-        """Return twice the floor: what lies below it is doubled."""
-        return max(1.0, 2.0 * scene.roulette_floor(settings))
+        """Return what the floor is raised to: twice, or four times.
+
+        Of rays that are sent towards something the floor may lie as high as their launched weight.
+        """
+        four = any(s.splits and s.lobe is not None for e in scene.element for s in e.surfaces)
+        raised = 4.0 if four and scene.splits(settings) else 2.0
+        floor = scene.roulette_floor(settings) if scene.importance is None else 1.0
+        return max(1.0, raised * floor)
 
     def parts(self, draft: Draft) -> EffectParts:
         """Return the play, and the launched weight that the floor is a fraction of."""
