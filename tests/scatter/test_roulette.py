@@ -45,7 +45,7 @@ def test_the_number_of_rays_grows_with_the_cap_and_not_by_powers():
 
 
 def test_nothing_is_gained_or_lost_by_it():
-    """At a cap of 6; four comparisons at 4 σ: a false alarm in 4000 seeds, and this one is fixed."""
+    """Four comparisons at 4 σ: a false alarm in 4000 seeds, and this one is fixed."""
     scenes = room(6, 0.0, 0.5), room(6, 0.3, 0.5)
     whole, played = (pz.trace(scene, batches=100) for scene in scenes)
     assert played.ledger.roulette.boosted.value > 0.05
