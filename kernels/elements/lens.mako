@@ -144,7 +144,14 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
 % for n, name in enumerate(faces):
     {
         real t, s;
-        const mask meets = quadric_crossing(&q${n}, &r${n}, a${n}, start${n}, at${n}, inside, polishes${n}, &t, &s);
+% if name == "edge":
+        const real slack = zero, least = zero;
+% else:
+        // What is in the glass gets out of a face that bulges, and crosses it where it gets out, though it graze it.
+        const real rounding = fabs(a${n}) * R(row[LENS_MOST]), least = ${point("lens.least", "rounding" if "contact" in effects else "SEL(inside, rounding, zero)")};
+        const real slack = ${point("lens.slack", f"SEL(inside & ALL_LANES_IF(q{n}.c > R(0.0)), splat(INFINITY), {'fma(R(2.0) * fabs(a%d), near, rounding)' % n if 'contact' in effects else 'zero'})")};
+% endif
+        const mask meets = quadric_crossing(&q${n}, &r${n}, a${n}, start${n}, at${n}, inside, polishes${n}, slack, least, &t, &s);
         mask ok = asked & ~left${n} & meets & GE(t, zero) & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, t, s, near);
 % if "contact" in effects:
         // of a face that it starts on and does not hit, on whichever side, the near root is no hit either
@@ -154,7 +161,7 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
         const mask chords = left${n};
 % endif
         if (ANY(chords)) {
-            const real chord = quadric_chord(&q${n}, &r${n}, a${n}, start${n}, polishes${n});
+            const real chord = quadric_chord(&q${n}, &r${n}, a${n}, least, start${n}, polishes${n});
             t = SEL(chords, chord, t);
             ok = SELM(chords, SELM(inside, GT(a${n}, zero), ${point("lens.hollow", f"LT(a{n}, zero)")})
                           & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, chord, fabs(start${n}.b), near), ok);
@@ -174,7 +181,7 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
     const mask lost = ${point("lens.lost", "alive & inside & ~LT(best, splat(INFINITY))")};
     if (ANY(lost)) {
         real to_edge, s;
-        quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, &to_edge, &s);
+        quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, zero, zero, &to_edge, &s);
         const mask up = GT(r.dz, zero);
         const real end = SEL(up, splat(fmax(row[LENS_HALF], row[LENS_FRONT_VERTEX])), splat(-fmax(row[LENS_HALF], row[LENS_BACK_VERTEX])));
         real to_end = (end - r.z) / r.dz;
