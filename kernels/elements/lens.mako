@@ -145,13 +145,20 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
     {
         real t, s;
 % if name == "edge":
-        const real slack = zero, least = zero;
+        const real slack = zero, rounding = zero, least = zero;
 % else:
-        // What is in the glass gets out of a face that bulges, and crosses it where it gets out, though it graze it.
-        const real rounding = fabs(a${n}) * R(row[LENS_MOST]), least = ${point("lens.least", "rounding" if "contact" in effects else "SEL(inside, rounding, zero)")};
-        const real slack = ${point("lens.slack", f"SEL(inside & ALL_LANES_IF(q{n}.c > R(0.0)), splat(INFINITY), {'fma(R(2.0) * fabs(a%d), near, rounding)' % n if 'contact' in effects else 'zero'})")};
+        // What is in the glass gets out of a face that bulges, though it graze it, and on that side of it that its
+        // normal there tells.
+        const real crossing = splat(8.0 * fma(fabs(row[LENS_${name.upper()}_CURVATURE]), row[LENS_MOST], 2.0 * UNIT_ROUNDOFF));
+% if "contact" in effects:
+        const real rounding = fabs(a${n}) * R(row[LENS_MOST]), least = ${point("lens.least", "SEL(inside, crossing, sqrt(rounding))")};
+        const real slack = SEL(inside & ALL_LANES_IF(q${n}.c > R(0.0)), splat(INFINITY), fma(R(2.0) * fabs(a${n}), near, rounding));
+% else:
+        const real rounding = SEL(inside, fabs(a${n}) * R(row[LENS_MOST]), splat(-INFINITY)), least = SEL(inside, ${point("lens.least", "crossing")}, zero);
+        const real slack = SEL(inside & ALL_LANES_IF(q${n}.c > R(0.0)), splat(INFINITY), zero);
 % endif
-        const mask meets = quadric_crossing(&q${n}, &r${n}, a${n}, start${n}, at${n}, inside, polishes${n}, slack, least, &t, &s);
+% endif
+        const mask meets = quadric_crossing(&q${n}, &r${n}, a${n}, start${n}, at${n}, inside, polishes${n}, slack, rounding, least, &t, &s);
         mask ok = asked & ~left${n} & meets & GE(t, zero) & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, t, s, near);
 % if "contact" in effects:
         // of a face that it starts on and does not hit, on whichever side, the near root is no hit either
@@ -161,10 +168,16 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
         const mask chords = left${n};
 % endif
         if (ANY(chords)) {
-            const real chord = quadric_chord(&q${n}, &r${n}, a${n}, least, start${n}, polishes${n});
+% if name == "edge":
+            // a chord of the edge is as good as its ray is steep to the axis, however small it is
+            const real across = fmax(fabs(start2.b), ${point("lens.across", "R(0.25) * sqrt(a2 / q2.c)")});
+% else:
+            const real across = fabs(start${n}.b);
+% endif
+            const real chord = quadric_chord(&q${n}, &r${n}, a${n}, start${n}, polishes${n});
             t = SEL(chords, chord, t);
             ok = SELM(chords, SELM(inside, GT(a${n}, zero), ${point("lens.hollow", f"LT(a{n}, zero)")})
-                          & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, chord, fabs(start${n}.b), near), ok);
+                          & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, chord, across, near), ok);
         }
         // in a corner, rounding may have put the start of a ray that is inside behind the other face
         const mask corner = ours & inside & ~left${n} & LE(fabs(height${n}), near) & GT(start${n}.b, zero)
@@ -181,7 +194,7 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
     const mask lost = ${point("lens.lost", "alive & inside & ~LT(best, splat(INFINITY))")};
     if (ANY(lost)) {
         real to_edge, s;
-        quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, zero, zero, &to_edge, &s);
+        quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, zero, zero, zero, &to_edge, &s);
         const mask up = GT(r.dz, zero);
         const real end = SEL(up, splat(fmax(row[LENS_HALF], row[LENS_FRONT_VERTEX])), splat(-fmax(row[LENS_HALF], row[LENS_BACK_VERTEX])));
         real to_end = (end - r.z) / r.dz;
