@@ -92,15 +92,16 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 % for n, name in enumerate(faces):
     const mask beside${n} = alive & ~left${n} & LE(fabs(height${n}), R(64.0) * most)
         & in_${name}_${cls.suffix}(row, r.x, r.y, r${n}.w, R(128.0) * most, R(128.0) * most);
-    mask starts${n} = NO_LANES;
+    mask starts${n} = NO_LANES, begins${n} = NO_LANES, goes_minus${n} = NO_LANES;
 % endfor
-    search->doubtful |= beside0 | beside1 | beside2;
+    const mask beside = beside0 | beside1 | beside2;
+    search->doubtful |= beside;
     mask is_in = in0 & in1 & in2;
-    if (search->careful && ANY(beside0 | beside1 | beside2)) {
+    if (search->careful && ANY(beside)) {
         const mask within = ours & to_inside;
         mask cross;
 % for n, name in enumerate(faces):
-        mask minus${n}, goes_minus${n}, on${n};
+        mask minus${n}, on${n};
         {
             real nx, ny, nz, x = r.x, y = r.y, z = r.z, wx, wy, wz;
             shape_${cls.suffix}(scene, lsplat(ELEMENT_OF(code) * ROW), lsplat(${n}L), &x, &y, &z, &nx, &ny, &nz);
@@ -111,17 +112,18 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
             on${n} = ~ours & starts_on(search, p, beside${n}, WITH_FACE(code, ${n}L), LE(fabs(height${n}), near) & ~within,
                                    SEL(within, R(-64.0) * most, height${n}), most, wx, wy, wz, d_n, &minus${n}, &cross);
         }
+        // beyond its rims, and there on the face gone on with, rounding says nothing of what is within them
+        const mask was${n} = SELM(on${n}, minus${n}, in${n} | (~beside${n} & ${point("lens.beyond", f"LE(height{n}, R(64.0) * most)")}\
+${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG], 0.0)) + R(128.0) * most)"}));
 % endfor
         // it hits the lens where it goes from its outside to its inside or back; and where it goes in by one
         // face although it leaves another one behind at once, as at a rim, which belongs to both
-% for n in range(3):
-        const mask was${n} = SELM(on${n}, minus${n}, in${n});
-% endfor
         const mask was_in = was0 & was1 & was2;
-        is_in = ${" & ".join(f"SELM(on{n}, goes_minus{n}, in{n})" for n in range(3))};
+        is_in = SELM(beside, ${" & ".join(f"SELM(on{n}, goes_minus{n}, was{n})" for n in range(3))}, is_in);
         const mask hits = (on0 | on1 | on2) & (was_in ^ is_in), moves = INE(p->left, lsplat(NO_FACE));
 % for n, (a, b) in enumerate(((1, 2), (0, 2), (0, 1))):
-        starts${n} = moves & (hits | (was${a} & was${b})) & on${n} & (minus${n} ^ goes_minus${n});
+        starts${n} = moves & ${point("lens.touched", f"(hits | (was{a} & was{b}))")} & on${n} & (minus${n} ^ goes_minus${n});
+        begins${n} = ${point("lens.begun", f"on{n}")};
 % endfor
     }
 % else:
@@ -142,13 +144,40 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
 % for n, name in enumerate(faces):
     {
         real t, s;
-        const mask meets = quadric_crossing(&q${n}, &r${n}, a${n}, start${n}, at${n}, inside, polishes${n}, &t, &s);
+% if name == "edge":
+        const real slack = zero, rounding = zero, least = zero;
+% else:
+        // What is in the glass gets out of a face that bulges, though it graze it, and on that side of it that its
+        // normal there tells.
+        const real crossing = splat(8.0 * fma(fabs(row[LENS_${name.upper()}_CURVATURE]), row[LENS_MOST], 2.0 * UNIT_ROUNDOFF));
+% if "contact" in effects:
+        const real rounding = fabs(a${n}) * R(row[LENS_MOST]), least = ${point("lens.least", "SEL(inside, crossing, sqrt(rounding))")};
+        const real slack = SEL(inside & ALL_LANES_IF(q${n}.c > R(0.0)), splat(INFINITY), fma(R(2.0) * fabs(a${n}), near, rounding));
+% else:
+        const real rounding = SEL(inside, fabs(a${n}) * R(row[LENS_MOST]), splat(-INFINITY)), least = SEL(inside, ${point("lens.least", "crossing")}, zero);
+        const real slack = SEL(inside & ALL_LANES_IF(q${n}.c > R(0.0)), splat(INFINITY), zero);
+% endif
+% endif
+        const mask meets = quadric_crossing(&q${n}, &r${n}, a${n}, start${n}, at${n}, inside, polishes${n}, slack, rounding, least, &t, &s);
         mask ok = asked & ~left${n} & meets & GE(t, zero) & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, t, s, near);
-        if (ANY(left${n})) {
+% if "contact" in effects:
+        // of a face that it starts on and does not hit, on whichever side, the near root is no hit either
+        ok &= ~begins${n};
+        const mask chords = left${n} | (begins${n} & (inside ^ ~goes_minus${n}));
+% else:
+        const mask chords = left${n};
+% endif
+        if (ANY(chords)) {
+% if name == "edge":
+            // a chord of the edge is as good as its ray is steep to the axis, however small it is
+            const real across = fmax(fabs(start2.b), ${point("lens.across", "R(0.25) * sqrt(a2 / q2.c)")});
+% else:
+            const real across = fabs(start${n}.b);
+% endif
             const real chord = quadric_chord(&q${n}, &r${n}, a${n}, start${n}, polishes${n});
-            t = SEL(left${n}, chord, t);
-            ok = SELM(left${n}, SELM(inside, GT(a${n}, zero), ${point("lens.hollow", f"LT(a{n}, zero)")})
-                          & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, chord, fabs(start${n}.b), near), ok);
+            t = SEL(chords, chord, t);
+            ok = SELM(chords, SELM(inside, GT(a${n}, zero), ${point("lens.hollow", f"LT(a{n}, zero)")})
+                          & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, chord, across, near), ok);
         }
         // in a corner, rounding may have put the start of a ray that is inside behind the other face
         const mask corner = ours & inside & ~left${n} & LE(fabs(height${n}), near) & GT(start${n}.b, zero)
@@ -165,7 +194,7 @@ FN mask hit_${cls.suffix}(__global const double *row, long code, const packet_t 
     const mask lost = ${point("lens.lost", "alive & inside & ~LT(best, splat(INFINITY))")};
     if (ANY(lost)) {
         real to_edge, s;
-        quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, &to_edge, &s);
+        quadric_crossing(&q2, &r2, a2, start2, at2, ALL_LANES, false, zero, zero, zero, &to_edge, &s);
         const mask up = GT(r.dz, zero);
         const real end = SEL(up, splat(fmax(row[LENS_HALF], row[LENS_FRONT_VERTEX])), splat(-fmax(row[LENS_HALF], row[LENS_BACK_VERTEX])));
         real to_end = (end - r.z) / r.dz;

@@ -39,19 +39,20 @@ FN real quadric_discriminant(real a, quadric_form_t q) {
     return (bb - af) + (fma(q.b, q.b, -bb) - fma(a, q.f, -af));
 }
 
-// The root near t from G there.
-FN real quadric_polish(const quadric_t *q, const meridian_t *r, real a, real t) {
+// The root near t from G there, as far as that is more than rounding of s^2.
+FN real quadric_polish(const quadric_t *q, const meridian_t *r, real a, real rounding, real t) {
     const quadric_form_t there = quadric_at(q, r, t);
-    const real s = sqrt(fmax(quadric_discriminant(a, there), splat(0.0)));
+    const real square = quadric_discriminant(a, there), s = sqrt(fmax(square, splat(0.0)));
     const real most = there.b + copysign(s, there.b), step = there.f / most;
-    return SEL(LT(fabs(step), splat(INFINITY)), t - step, t);
+    return SEL(LT(fabs(step), splat(INFINITY)) & ${point("quadric.vague", "GE(square, rounding)")}, t - step, t);
 }
 
 // Where the ray goes out, or in, of the quadric; start: G where the ray starts; at: where on the ray G is
-// best taken to solve it; s: that of the root.  Gives whether there is such a place: of a body that holds
-// the start there is, whatever rounding says.
+// best taken to solve it; slack: by how much rounding may have lowered s^2; rounding: below this s^2 is nothing
+// else; least: what s is taken to be at least, so that the ray does cross the surface there; s: that of the root.
+// Gives whether there is such a place: of a body that holds the start there is, whatever rounding says.
 FN mask quadric_crossing(const quadric_t *q, const meridian_t *r, real a, quadric_form_t start, real at, mask outwards,
-                         bool polishes, real *t, real *s) {
+                         bool polishes, real slack, real rounding, real least, real *t, real *s) {
     const real zero = splat(0.0);
     const quadric_form_t there = quadric_at(q, r, at);
     real square = quadric_discriminant(a, there);
@@ -61,18 +62,19 @@ FN mask quadric_crossing(const quadric_t *q, const meridian_t *r, real a, quadri
         const mask better = LT(fma(deep.b, deep.b, fabs(a) * deep.size), fma(there.b, there.b, fabs(a) * there.size));
         square = SEL(better, quadric_discriminant(a, deep), square);
     }
-    *s = sqrt(fmax(square, zero));
+    *s = fmax(sqrt(fmax(square, zero)), least);
     const real most = there.b + copysign(*s, there.b), one = -most / a, other = SEL(EQ(most, zero), zero, -there.f / most);
     *t = at + SEL(outwards ^ GT(most, zero), one, other);
-    if (polishes) *t = quadric_polish(q, r, a, *t);
-    return GE(square, zero) | LT(q->c * start.f, zero) | LE(q->c * a, zero);
+    if (polishes) *t = quadric_polish(q, r, a, rounding, *t);
+    return GE(square, -slack) | LT(q->c * start.f, zero) | LE(q->c * a, zero);
 }
 
 // The same of a ray that left the surface: its other root.
 FN real quadric_chord(const quadric_t *q, const meridian_t *r, real a, quadric_form_t start, bool polishes) {
+    const real any = splat(-INFINITY);
     real t = R(2.0) * fabs(start.b) / fabs(a);
     // twice: the chord of a ray that grazes the surface it left is good to no more than a few digits
-    if (polishes) t = fmax(quadric_polish(q, r, a, ${point("quadric.polished", "quadric_polish(q, r, a, t)")}), splat(0.0));
+    if (polishes) t = fmax(quadric_polish(q, r, a, any, ${point("quadric.polished", "quadric_polish(q, r, a, any, t)")}), splat(0.0));
     return t;
 }
 
