@@ -151,10 +151,10 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
         // normal there tells.
         const real crossing = splat(8.0 * fma(fabs(row[LENS_${name.upper()}_CURVATURE]), row[LENS_MOST], 2.0 * UNIT_ROUNDOFF));
 % if "contact" in effects:
-        const real rounding = fabs(a${n}) * R(row[LENS_MOST]), least = ${point("lens.least", "SEL(inside, crossing, sqrt(rounding))")};
+        const real rounding = fabs(a${n}) * R(row[LENS_MOST]), least = SEL(inside, crossing, sqrt(rounding));
         const real slack = SEL(inside & ALL_LANES_IF(q${n}.c > R(0.0)), splat(INFINITY), fma(R(2.0) * fabs(a${n}), near, rounding));
 % else:
-        const real rounding = SEL(inside, fabs(a${n}) * R(row[LENS_MOST]), splat(-INFINITY)), least = SEL(inside, ${point("lens.least", "crossing")}, zero);
+        const real rounding = SEL(inside, fabs(a${n}) * R(row[LENS_MOST]), splat(-INFINITY)), least = SEL(inside, crossing, zero);
         const real slack = SEL(inside & ALL_LANES_IF(q${n}.c > R(0.0)), splat(INFINITY), zero);
 % endif
 % endif
@@ -170,7 +170,7 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
         if (ANY(chords)) {
 % if name == "edge":
             // a chord of the edge is as good as its ray is steep to the axis, however small it is
-            const real across = fmax(fabs(start2.b), ${point("lens.across", "R(0.25) * sqrt(a2 / q2.c)")});
+            const real across = fmax(fabs(start2.b), R(0.25) * sqrt(a2 / q2.c));
 % else:
             const real across = fabs(start${n}.b);
 % endif

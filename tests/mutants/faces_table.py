@@ -158,6 +158,26 @@ MUTANTS = (
         lens_guards.points_are_on_their_face,
     ),
     Mutant(
+        "what starts on a face of a lens meets it again at once",
+        {"lens.begun": "NO_LANES"},
+        lens_guards.rims_hold,
+    ),
+    Mutant(
+        "rounding beyond its rims decides whether a face has the ray within it",
+        {"lens.beyond": "NO_LANES"},
+        lens_guards.rims_hold,
+    ),
+    Mutant(
+        "what goes in by a rim and out again at once passes the lens",
+        {"lens.touched": "hits"},
+        lens_guards.rims_hold,
+    ),
+    Mutant(
+        "a grazing root is polished by rounding",
+        {"quadric.vague": "ALL_LANES"},
+        lens_guards.grazing_roots_stay,
+    ),
+    Mutant(
         "a chord is polished once",
         {"quadric.polished": "t"},
         lens_guards.grazing_chords_end_on_their_face,

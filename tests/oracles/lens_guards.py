@@ -14,11 +14,14 @@ import numpy as np
 
 from hostcode.run.probe import face_of, probe_faces
 from oracles.corners import U
+from oracles.curved import leaks_of, rays_in
 from oracles.engine import open_device
+from oracles.lens_regions import lens_made
 from photizon_cl.scene.elements.general_lens import Lens
 from photizon_cl.scene.surfaces.absorber import Absorber
-from photizon_cl.stability.case import Left
-from photizon_cl.stability.measure import compile_elements, state_of
+from photizon_cl.scene.surfaces.mirror import Mirror
+from photizon_cl.stability.case import Case, Left
+from photizon_cl.stability.measure import compile_elements, measure, state_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -71,13 +74,19 @@ def circle(n: int) -> NDArray[np.float64]:
 
 def rims_belong_to_both() -> None:
     """What leaves the edge where it ends meets the front there, whichever side rounding put it."""
-    body = lens(AWAY, 1.5, 2.5, 0.9)
     out, up = circle(256), np.array([0.0, 0.0, 1.0])
-    starts = out + 0.5 * body.edge_thickness * up
-    hits, faces, _ = hits_of(body, starts, 0.8 * up - 0.6 * out, Left(0, EDGE))
-    assert (faces == FRONT).all()
-    # 0.19 is the sine at which they meet the front: 0.8 sqrt(5)/3 − 0.6·2/3
-    assert hits[:, 0].max() <= 8.0 * U / 0.19
+    around = np.cross(up, out)
+    # the sine at which they meet a bulging front is 0.8 sqrt(5)/3 − 0.6·2/3,
+    # at a hollow one 0.6·2/3 − 0.3 sqrt(5)/3
+    for front, along, sine in (
+        (1.5, 0.8 * up - 0.6 * out, 0.19),
+        (-1.5, math.sqrt(0.55) * around - 0.6 * out - 0.3 * up, 0.17),
+    ):
+        body = lens(AWAY, front, 2.5, 0.9)
+        starts = out + 0.5 * body.edge_thickness * up
+        hits, faces, _ = hits_of(body, starts, along, Left(0, EDGE))
+        assert (faces == FRONT).all()
+        assert hits[:, 0].max() <= 8.0 * U / sine
 
 
 def glass_has_an_exit() -> None:
@@ -94,6 +103,50 @@ def glass_has_an_exit() -> None:
     assert (faces >= 0).all()
     # as far as chords of a circle come at these angles to it, if they stay on the edge
     assert hits[:, 0].max() <= 2.0 * lean.max() / math.cos(1.4) ** 2
+
+
+def wrong_ways_along_the_edge(where: dict[str, Any], seed: int, n: int) -> list[str]:
+    """Return what the 60-digit oracle calls wrong of rays that leave the edge along its ruling."""
+    body = lens(where, 1.0, 1.0, 4.0)
+    r = np.random.default_rng([7, seed])
+    out, up = circle(n), np.array([0.0, 0.0, 1.0])
+    around = np.cross(up, out)
+    below, lean = 10.0 ** -r.uniform(1, 17, (n, 1)), 10.0 ** -r.uniform(8, 15, (n, 1))
+    turn = 10.0 ** -r.uniform(0, 12, (n, 1))
+    starts = out + 0.5 * body.edge_thickness * (1.0 - below) * up
+    along = np.sin(turn) * around + np.cos(turn) * up - lean * out
+    rows = np.array(body.frame)
+    starts, along = starts @ rows + np.array(body.position), along @ rows
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    cases = [
+        Case(f"ray {k}", (body,), tuple(o), tuple(d), Left(0, EDGE), must_hit=True)
+        for k, (o, d) in enumerate(zip(starts.tolist(), along.tolist(), strict=True))
+    ]
+    return [f"{m.label}: {m.note}" for m in measure(open_device(), cases) if not m.right]
+
+
+def rims_hold() -> None:
+    """No ray gets out at the rims of lenses that plates cut, tubes hold, and other lenses touch."""
+    for number in range(3):
+        for kind, shape in (
+            ("on a plate", "knife"), ("glass in a barrel", "knife"), ("face to face", "biconcave"),
+            ("in a cone", "hollow ball end"),
+        ):  # fmt: skip
+            _hold(kind, shape, number)
+
+
+def grazing_roots_stay() -> None:
+    """No ray gets out of half of an oblate ball on a rod, whose roots are polished."""
+    for number in range(2, 6):
+        _hold("halved", "oblate end", number)
+
+
+def _hold(kind: str, shape: str, number: int) -> None:
+    r = np.random.default_rng([31, number])
+    scale, away = ((1.0, 0.0), (1e-6, 0.0), (1e6, 1.3), (1e-6, 37.0))[number % 4]
+    at = away * scale * r.uniform(-1, 1, 3)
+    region = lens_made(kind, shape, Mirror(1.0), (0.0, 0.0), scale, at)
+    assert leaks_of(region, *rays_in(r, region, 2000)) == (0, 0), (kind, shape, scale)
 
 
 def heights_are_rounded() -> None:

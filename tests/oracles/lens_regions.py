@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,9 +38,12 @@ SHAPES: dict[str, tuple[float, ...]] = {
     "hollow ball end": (-0.7, 1.1, 0.0, 0.0, 1.0),
     "aspheric": (0.5, -2.0, -1.4, -3.0, 0.2),
     "half an ellipsoid": (0.5, INF, 1.0 / 1.96 - 1.0, 0.0, 0.2),
+    "oblate end": (0.7 * math.sqrt(3.0), INF, 2.0, 0.0, 0.2),
     "shallow": (1e4, -2e4, 0.0, 0.0, 0.2),
 }  # fmt: skip
 RIM = 0.7
+_SMOOTH = {"ball ends", "half an ellipsoid", "oblate end"}
+"""Those of which the front goes on from the edge without a corner."""
 
 
 class Glass:
@@ -77,15 +81,19 @@ class Glass:
             away = norm(p[..., :2])
             found = Exact(a) - away
             for side, sign, vertex in zip(body.sides, (1, -1), body.vertices, strict=True):
-                found = np.minimum(found, -_over(side, sign * p[..., 2] - Exact(sign * vertex), away))
+                found = np.minimum(
+                    found, -_over(side, sign * p[..., 2] - Exact(sign * vertex), away)
+                )
             return found
 
         self.height = height
 
     def sag(self, face: int, r: Any) -> Any:
-        """Return how far a face is over the vertex's plane, outwards, at distances from the axis."""
+        """Return how far a face is beyond its vertex's plane at distances from the axis."""
         side = self.body.sides[face]
-        return -np.array([float(side.sag_at(float(x) * self.scale)) for x in np.ravel(r)]) / self.scale
+        return (
+            -np.array([float(side.sag_at(float(x) * self.scale)) for x in np.ravel(r)]) / self.scale
+        )
 
     def vertex(self, face: int) -> float:
         """Return the height of a vertex in the region."""
@@ -180,10 +188,10 @@ def in_a_cone(r: Region, shape: str) -> None:
     top = max(g.vertex(0), g.half) + 0.4
     low = g.half - 0.2
     k = 0.5
-    r.wall(Cone, (0, 0, low), entrance_radius=g.rim + 0.2 * k, exit_radius=g.rim - k * (top - g.half),
-           length=top - low)  # fmt: skip
-    r.plane((0, 0, -1), (0, 0, top), g.rim - k * (top - g.half))
-    r.edges.extend((circle(g.half, g.rim), circle(top, g.rim - k * (top - g.half))))
+    wide, narrow = g.rim + 0.2 * k, g.rim - k * (top - g.half)
+    r.wall(Cone, (0, 0, low), entrance_radius=wide, exit_radius=narrow, length=top - low)
+    r.plane((0, 0, -1), (0, 0, top), narrow)
+    r.edges.extend((circle(g.half, g.rim), circle(top, narrow)))
     r.middle[:] = 0.0, 0.0, top - 0.2
 
 
@@ -213,10 +221,10 @@ def beside_on_a_plate(r: Region, shape: str) -> None:
 def rim_to_rim(r: Region, shape: str) -> None:
     """Between two lenses whose rims touch, in a tube that both fill."""
     g = Glass(r, shape)
-    front = max(g.vertex(0), g.half)
-    h = Glass(r, "biconcave", 0.0)
+    h = Glass(r, "biconcave")
     r.elements.pop()
-    away = g.half + h.half if front <= g.half else front - g.half + h.half + g.half
+    # a face that bulges touches the other lens's hollow one at no place
+    away = max(g.vertex(0), g.half) + h.half
     h = Glass(r, "biconcave", away)
     r.heights.extend((lambda points: -g.height(points), lambda points: -h.height(points)))
     low = -g.half - 0.2
@@ -242,20 +250,24 @@ KINDS: dict[str, Callable[[Region, str], None]] = {
 
 
 def _meant(kind: str, shape: str) -> bool:
-    front, back, _, _, edge = SHAPES[shape]
+    front, back = SHAPES[shape][:2]
     if kind == "on a plate":
-        # its lower rim is its lowest place or else the plate cuts off what hangs through
-        return back > 0
+        # else the plate cuts the face itself; nor where face and edge go on as one
+        return back > 0 and shape not in _SMOOTH
     if kind == "beside on a plate":
         return back < 0 or math.isinf(back)
     if kind == "face to face":
         return shape == "biconcave"
     if kind == "rim to rim":
-        return shape not in {"ball ends", "hollow ball end", "half an ellipsoid"}
+        return shape not in {*_SMOOTH, "hollow ball end"}
+    if shape == "hollow ball end" and kind in {"at a barrels end", "glass in a barrel", "halved"}:
+        return False  # at its rim the glass is a wedge of no angle
+    if kind == "halved":
+        return shape not in _SMOOTH  # a limit, see docs/guarantees.md
     if kind == "in a ball":
         return front < 0 or front > 1.0
     if kind == "in a cone":
-        return shape not in {"ball ends", "half an ellipsoid", "aspheric"}
+        return shape not in {*_SMOOTH, "aspheric"}
     return True
 
 
@@ -263,9 +275,33 @@ LENS_REGIONS = [(kind, shape) for kind in KINDS for shape in SHAPES if _meant(ki
 
 
 def lens_made(
-    kind: str, shape: str, surface: Surface, tilt: tuple[float, float], scale: float, at: Any
-) -> Region:
-    """Return a region of some kind around a lens of some shape at some place."""
+    kind: str, shape: str, surface: Surface, tilt: tuple[float, float], scale: float, at: Any,
+    glass: Surface | None = None,
+) -> Region:  # fmt: skip
+    """Return a region of some kind around a lens of some shape at some place.
+
+    `stack` is one for lenses of `glass`: it goes on in them.
+    """
     region = Region(surface, tilt, scale, np.array(at, float))
-    KINDS[kind](region, shape)
+    if kind == "stack":
+        stack(region, shape, glass)
+    else:
+        KINDS[kind](region, shape)
     return region
+
+
+def stack(r: Region, shape: str, glass: Surface | None) -> None:
+    """In a tube that a lens fills, and another one whose hollow face begins at its rim."""
+    inside = replace(r, surface=glass or r.surface)  # the lists are one
+    g = Glass(inside, shape)
+    h = Glass(inside, "biconcave")
+    r.elements.pop()
+    away = max(g.half, g.vertex(0)) + h.half
+    h = Glass(inside, "biconcave", away)
+    low, top = min(g.vertex(1), -g.half) - 0.3, away + h.half + 0.3
+    r.wall(Cylinder, (0, 0, low), radius=g.rim, length=top - low)
+    r.plane((0, 0, 1), (0, 0, low), g.rim)
+    r.plane((0, 0, -1), (0, 0, top), g.rim)
+    for z in (low, -g.half, g.half, away - h.half, away + h.half, top):
+        r.edges.append(circle(z, g.rim))
+    r.middle[:] = 0.0, 0.0, top - 0.2
