@@ -55,13 +55,14 @@ _lock = threading.RLock()
 
 
 def program_key(device: OpenDevice, source: str, options: Sequence[str]) -> str:
-    """Return a digest of everything that a program's binary follows from.
-
-    PoCL adds what the environment names to the options of every build.
-    """
-    more = os.environ.get("POCL_EXTRA_BUILD_FLAGS", "") if device.record.is_pocl else ""
-    text = "\0".join((device.record.key, source, *options, *([more] if more else [])))
+    """Return a digest of everything that a program's binary follows from."""
+    text = "\0".join((device.record.key, source, *options, *_added(device)))
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _added(device: OpenDevice) -> list[str]:
+    """Return what PoCL adds to the options of every build because the environment names it."""
+    return os.environ.get("POCL_EXTRA_BUILD_FLAGS", "").split() if device.record.is_pocl else []
 
 
 def are_kept(device: OpenDevice) -> bool:
@@ -96,6 +97,9 @@ def build(device: OpenDevice, key: str, source: str, options: Sequence[str]) -> 
             return _build_binary(device, key, source, options)
         found = None if key in _known else _fetch(key)
         there = _folders()
+        # named here as well: PoCL finds its directory by the options of the call alone, and would
+        # load what was built without them, or with others, in this process
+        options = [*options, *_added(device)]
         try:
             program = _built(cl.Program(device.context, source), options)
         except cl.Error:

@@ -81,6 +81,18 @@ def test_what_the_environment_adds_to_builds_makes_other_kernels(device, pocl_on
     assert kept_kernels.program_key(device, TEXT, OPTIONS) == key != quick
 
 
+def test_they_are_not_those_that_this_process_built_before(pocl_only, program, monkeypatch):
+    key, run = program
+    monkeypatch.setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable")
+    assert run()
+    quick = kept_kernels._known.pop(key).folders
+    monkeypatch.delenv("POCL_EXTRA_BUILD_FLAGS")
+    assert run()
+    assert kept_kernels._known[key].folders
+    assert kept_kernels._known[key].folders.isdisjoint(quick)
+    assert kept_kernels.digest_of(key)
+
+
 def test_what_is_kept_is_what_runs_again(pocl_only, program):
     key, run = program
     assert run()
