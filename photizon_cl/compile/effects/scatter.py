@@ -68,7 +68,9 @@ class Scatter(Effect):
                 *(("survive", f"scatters/{cls.kernel}") for cls in models),
                 ("survive", "effects/scatter"),
             ),
-            libraries=("lib/powers",),
+            libraries=tuple(
+                dict.fromkeys(("lib/powers", *(name for cls in models for name in cls.libraries)))
+            ),
             hooks=(("surface", call),),
             launch=(
                 ("scatter", "ulong", "where in codes the lobes of elements or their faces stand"),

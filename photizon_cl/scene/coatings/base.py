@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple, Self
 import numpy as np
 
 from photizon_cl.errors import ArgumentError, show
-from photizon_cl.scene.described import Described
+from photizon_cl.scene.device_kinds import DeviceKind
 from photizon_cl.scene.rows import NO_ROW, Row
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class Meeting(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Coating(Described):
+class Coating(DeviceKind):
     """What a border of two media reflects and lets pass, in place of Fresnel's formulas.
 
     Directions remain those of the law of reflection and of Snell's law. 1 − R − T is absorbed by
@@ -52,13 +52,6 @@ class Coating(Described):
 
     label: ClassVar[str] = "coating"
     kind: ClassVar[str] = ""
-    kernel: ClassVar[str] = ""
-    does: ClassVar[str] = ""
-    """What it does, in one line."""
-    costs: ClassVar[str] = ""
-    """What the device does more because of it, in one line."""
-    libraries: ClassVar[tuple[str, ...]] = ()
-    """Kernel templates that its file needs before it, once a program."""
     row: ClassVar[Row] = NO_ROW
     """Columns in its surface's row of the material table, behind the surface's own."""
     polarises: ClassVar[bool] = False

@@ -11,6 +11,7 @@ from photizon_cl.errors import Problem, show, with_article
 from photizon_cl.scene.declarations import declare, point, signed_axis, tilt, unique_name
 from photizon_cl.scene.described import Described, Known, Nested, parameters_of
 from photizon_cl.scene.detectors import Detector
+from photizon_cl.scene.device_kinds import DeviceKind
 from photizon_cl.scene.frames import Frame, Vec3, frame, to_local
 from photizon_cl.scene.surfaces import Surface
 
@@ -49,7 +50,7 @@ def own_surfaces(cls: type[Described]) -> list[str]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Element(Described):
+class Element(DeviceKind):
     """A piece of geometry with one surface and, where that carries one, perhaps a detector.
 
     Parameters
@@ -71,17 +72,10 @@ class Element(Described):
 
     label: ClassVar[str] = "element"
     kind: ClassVar[str] = ""
-    kernel: ClassVar[str] = ""
-    does: ClassVar[str] = ""
-    """What it does, in one line."""
-    costs: ClassVar[str] = ""
-    """What the device does more because of it, in one line."""
     row: ClassVar[Row]
     """Columns of its row in the geometry table, between its position and its frame."""
     templates: ClassVar[tuple[str, ...]]
     """Kernel templates that are rendered for each class of it, in order, its own among them."""
-    libraries: ClassVar[tuple[str, ...]] = ()
-    """Kernel templates before those, once a program, which other kinds may share."""
     traits: ClassVar[frozenset[str]] = frozenset()
     """What else the shared templates ask for; ``inward`` where normals point to the inside,
     ``own-surfaces`` where faces may have surfaces of their own (`surface_of`)."""

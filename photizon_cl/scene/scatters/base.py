@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, ClassVar, Final
 import numpy as np
 
 from photizon_cl.errors import Problem, SceneError, show
-from photizon_cl.scene.described import Described, Known, parameters_of
+from photizon_cl.scene.described import Known, parameters_of
+from photizon_cl.scene.device_kinds import DeviceKind
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.scatters.total import Pieces, greatest, pieces_of, total_at
 
@@ -28,7 +29,7 @@ ROUNDING: Final = 1e-8
 
 
 @dataclass(frozen=True)
-class Scatter(Described):
+class Scatter(DeviceKind):
     """What a surface scatters about the specular ray: a BSDF in 1/sr of Δ = |β − β₀|.
 
     β and β₀ are the projections of the unit directions of the scattered and of the specular ray on
@@ -39,11 +40,6 @@ class Scatter(Described):
 
     label: ClassVar[str] = "scatter"
     kind: ClassVar[str] = ""
-    kernel: ClassVar[str] = ""
-    does: ClassVar[str] = ""
-    """What it does, in one line."""
-    costs: ClassVar[str] = ""
-    """What the device does more because of it, in one line."""
     row: ClassVar[Row]
     """Columns of its row, in the geometry table."""
 

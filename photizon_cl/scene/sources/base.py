@@ -18,7 +18,8 @@ from photizon_cl.scene.declarations import (
     tilt,
     unique_name,
 )
-from photizon_cl.scene.described import ABSENT, Accepts, Described, Nested
+from photizon_cl.scene.described import ABSENT, Accepts, Nested
+from photizon_cl.scene.device_kinds import DeviceKind
 from photizon_cl.scene.frames import Frame, frame
 from photizon_cl.scene.media.names import VACUUM, medium_name
 from photizon_cl.scene.polarisation import Polarisation
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Source(Described):
+class Source(DeviceKind):
     """Where rays start. Sources do not block light.
 
     Parameters
@@ -59,19 +60,12 @@ class Source(Described):
 
     label: ClassVar[str] = "source"
     kind: ClassVar[str] = ""
-    kernel: ClassVar[str] = ""
-    does: ClassVar[str] = ""
-    """What it does, in one line."""
-    costs: ClassVar[str] = ""
-    """What the device does more because of it, in one line."""
     directed: ClassVar[bool] = False
     """Whether it has an axis and a tilt."""
     draws_position: ClassVar[bool] = False
     """Whether its rays start at many points, for which each draws a second pair of uniforms."""
     is_beam: ClassVar[bool] = False
     """Whether its light has a cross-section of its own, with the same irradiance all over it."""
-    libraries: ClassVar[tuple[str, ...]] = ()
-    """Kernel templates that its file needs before it (``lib/powers``), once a program."""
     row: ClassVar[Row] = NO_ROW
     """Columns of its row in the source table, behind those that all sources have."""
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, ClassVar, Self
 from photizon_cl.scene.coatings import Coating
 from photizon_cl.scene.curves import OverWavelength, at_wavelength
 from photizon_cl.scene.declarations import declare
-from photizon_cl.scene.described import Described, Nested, parameters_of
+from photizon_cl.scene.described import Nested, parameters_of
+from photizon_cl.scene.device_kinds import DeviceKind
 from photizon_cl.scene.rows import NO_ROW, Row
 from photizon_cl.scene.scatters import Scatter
 
@@ -19,18 +20,11 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Surface(Described):
+class Surface(DeviceKind):
     """The one optical property of an element: what a ray that hits it does."""
 
     label: ClassVar[str] = "surface"
     kind: ClassVar[str] = ""
-    kernel: ClassVar[str] = ""
-    does: ClassVar[str] = ""
-    """What it does, in one line."""
-    costs: ClassVar[str] = ""
-    """What the device does more because of it, in one line."""
-    libraries: ClassVar[tuple[str, ...]] = ()
-    """Kernel templates that its file needs before it (``lib/powers``), once a program."""
     row: ClassVar[Row] = NO_ROW
     """Columns of its row in the material table."""
     absorbs: ClassVar[bool] = True
