@@ -6,21 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from photizon_cl.errors import Problem, counted
 from photizon_cl.scene.curves import Curve, NumberOrCurve
-from photizon_cl.scene.declarations import declare
+from photizon_cl.scene.declarations import declare, fractions
 from photizon_cl.scene.described import REQUIRED, Accepts, Described
-from photizon_cl.scene.number_lists import Ascending
-from photizon_cl.scene.parameters import Number, Numbers
+from photizon_cl.scene.number_lists import Ascending, lengths_agree
 from photizon_cl.scene.whole import read_whole
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from photizon_cl.errors import Problem
     from photizon_cl.scene.described import Known
     from photizon_cl.scene.parameters import Parameter
 
-__all__ = ["AngleCurve", "angles", "fraction_over", "lengths_agree"]
+__all__ = ["AngleCurve", "angles", "fraction_over"]
 
 _MOST_NODES: Final = 10_000
 _CLOSEST: Final = 1e-9
@@ -35,17 +34,6 @@ def angles(meaning: str, *, least: int) -> dict[str, Parameter]:
             meaning=meaning, unit="deg",
         )
     )  # fmt: skip
-
-
-def lengths_agree(known: Known, *items: str) -> list[Problem]:
-    """Return the problems of a table that has not one value for each angle."""
-    nodes = known.get("angle_deg")
-    expected = f"{counted(len(nodes), 'number')}, one for each angle"
-    return [
-        Problem(item, f"{len(values)} of them", expected)
-        for item in items
-        if (values := known.get(item)) is not None and len(values) != len(nodes)
-    ]
 
 
 @dataclass(frozen=True)
@@ -67,20 +55,13 @@ class AngleCurve(Described):
         default=REQUIRED, metadata=angles("where it has values", least=1)
     )
     value: Accepts[Sequence[float], tuple[float, ...]] = field(
-        default=REQUIRED,
-        metadata=declare(
-            Numbers(
-                "a list of numbers in [0, 1], one for each angle",
-                Number("a number in [0, 1]", 0.0, 1.0),
-                meaning="what it is there",
-            )
-        ),
+        default=REQUIRED, metadata=fractions("angle", "what it is there")
     )
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check that there is a value for each angle."""
-        return lengths_agree(known, "value") if known.get("angle_deg") is not None else []
+        return lengths_agree(known, "angle_deg", "angle", "value")
 
     @property
     def extended(self) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -9,9 +9,9 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from photizon_cl.errors import ArgumentError, Problem, show
-from photizon_cl.scene.declarations import declare
+from photizon_cl.scene.declarations import declare, fractions
 from photizon_cl.scene.described import REQUIRED, Accepts, Described
-from photizon_cl.scene.number_lists import Ascending
+from photizon_cl.scene.number_lists import Ascending, lengths_agree
 from photizon_cl.scene.parameters import BAD, LARGEST, Number, Numbers
 from photizon_cl.scene.whole import read_whole
 
@@ -35,7 +35,6 @@ __all__ = [
     "bounded_fraction",
     "fraction_or_curve",
     "interpolated",
-    "lengths_agree",
     "nodes",
     "number_of",
     "wavelength",
@@ -99,15 +98,6 @@ def nodes() -> dict[str, Parameter]:
     """Declare the wavelengths at which a table has values."""
     what = "wavelengths in nanometres"
     return ascending_nm(what, "where it has values", least=2, most=_MOST_NODES)
-
-
-def lengths_agree(known: Known, item: str) -> list[Problem]:
-    """Return the problem of a table that has not one value for each wavelength."""
-    wavelengths, values = known.get("wavelength_nm"), known.get(item)
-    if wavelengths is None or values is None or len(wavelengths) == len(values):
-        return []
-    expected = f"{len(wavelengths)} numbers, one for each wavelength"
-    return [Problem(item, f"{len(values)} of them", expected)]
 
 
 def interpolated(wavelengths: Sequence[float], values: Sequence[float], nm: float) -> float:
@@ -190,20 +180,13 @@ class Curve(_Table):
     label: ClassVar[str] = "curve"
 
     value: Accepts[Sequence[float], tuple[float, ...]] = field(
-        default=REQUIRED,
-        metadata=declare(
-            Numbers(
-                "a list of numbers in [0, 1], one for each wavelength",
-                Number("a number in [0, 1]", 0.0, 1.0),
-                meaning="what it is there",
-            )
-        ),
+        default=REQUIRED, metadata=fractions("wavelength", "what it is there")
     )
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check that there is a value for each wavelength."""
-        return lengths_agree(known, "value")
+        return lengths_agree(known, "wavelength_nm", "wavelength", "value")
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -266,7 +249,7 @@ class AbsorptionCurve(_Table):
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check that there is a value for each wavelength."""
-        return lengths_agree(known, "per_m")
+        return lengths_agree(known, "wavelength_nm", "wavelength", "per_m")
 
     @property
     def values(self) -> tuple[float, ...]:

@@ -64,6 +64,14 @@ def fraction(meaning: str, hint: str = "") -> dict[str, Parameter]:
     return declare(Number("a number in [0, 1]", 0.0, 1.0, meaning=meaning, hint=hint))
 
 
+def fractions(each: str, meaning: str) -> dict[str, Parameter]:
+    """Declare a list of numbers from 0 to 1, one for each of what ``each`` names."""
+    item = Number("a number in [0, 1]", 0.0, 1.0)
+    return declare(
+        Numbers(f"a list of numbers in [0, 1], one for each {each}", item, meaning=meaning)
+    )
+
+
 def fraction_or(word: str, meaning: str, hint: str = "") -> dict[str, Parameter]:
     """Declare a number in [0, 1], or a word."""
     return declare(NumberOrWord(word, "a number in [0, 1]", 0.0, 1.0, meaning=meaning, hint=hint))

@@ -1,14 +1,17 @@
-"""Parameters that are lists of numbers of any length."""
+"""Parameters that are lists of numbers of any length, and lists of one length."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from photizon_cl.errors import Problem, show
+from photizon_cl.errors import Problem, counted, show
 from photizon_cl.scene.parameters import BAD, Number, Parameter
 
-__all__ = ["Ascending"]
+if TYPE_CHECKING:
+    from photizon_cl.scene.described import Known
+
+__all__ = ["Ascending", "lengths_agree"]
 
 
 class Ascending(Parameter):
@@ -81,3 +84,28 @@ class Ascending(Parameter):
         expected = f"a number above {show(before)}, which stands before it"
         problems.append(Problem(f"{path}[{i}]", show(number), expected, hint=hint))
         return BAD
+
+
+def lengths_agree(known: Known, nodes: str, each: str, *items: str) -> list[Problem]:
+    """Return the problems of a table that has not one value for each node.
+
+    Parameters
+    ----------
+    known : Known
+        The table; what was refused of it has no length.
+    nodes : str
+        Its key of nodes.
+    each : str
+        What each node is: "angle".
+    *items : str
+        Its keys of values.
+    """
+    at = known.get(nodes)
+    if at is None:
+        return []
+    expected = f"{counted(len(at), 'number')}, one for each {each}"
+    return [
+        Problem(item, f"{len(values)} of them", expected)
+        for item in items
+        if (values := known.get(item)) is not None and len(values) != len(at)
+    ]

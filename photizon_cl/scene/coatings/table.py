@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from photizon_cl.errors import Problem, show
-from photizon_cl.scene.angles import angles, lengths_agree
+from photizon_cl.scene.angles import angles
 from photizon_cl.scene.coatings.base import Coating, whole
-from photizon_cl.scene.declarations import declare
-from photizon_cl.scene.parameters import Number, Numbers
+from photizon_cl.scene.declarations import fractions
+from photizon_cl.scene.number_lists import lengths_agree
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:
@@ -20,12 +20,6 @@ if TYPE_CHECKING:
 
     from photizon_cl.scene.coatings.base import Array, Meeting
     from photizon_cl.scene.described import Known
-    from photizon_cl.scene.parameters import Parameter
-
-
-def _parts(meaning: str) -> dict[str, Parameter]:
-    what = "a list of numbers in [0, 1], one for each angle"
-    return declare(Numbers(what, Number("a number in [0, 1]", 0.0, 1.0), meaning=meaning))
 
 
 @dataclass(frozen=True)
@@ -67,8 +61,10 @@ class TableCoating(Coating):
     )
 
     angle_deg: Sequence[float] = field(metadata=angles("nodes: from 0 to 90", least=2))
-    reflectance: Sequence[float] = field(metadata=_parts("part of the power that is reflected"))
-    transmittance: Sequence[float] = field(metadata=_parts("part that passes"))
+    reflectance: Sequence[float] = field(
+        metadata=fractions("angle", "part of the power that is reflected")
+    )
+    transmittance: Sequence[float] = field(metadata=fractions("angle", "part that passes"))
 
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
@@ -76,7 +72,7 @@ class TableCoating(Coating):
         nodes = known.get("angle_deg")
         if nodes is None:
             return []
-        problems = lengths_agree(known, "reflectance", "transmittance")
+        problems = lengths_agree(known, "angle_deg", "angle", "reflectance", "transmittance")
         hint = "rays come at any angle, and what a coating does is not extrapolated"
         if nodes[0] != 0.0:
             problems.append(Problem("angle_deg[0]", show(nodes[0]), "0", hint=hint))

@@ -12,13 +12,12 @@ from photizon_cl.scene.curves import (
     OverWavelength,
     ascending_nm,
     interpolated,
-    lengths_agree,
     nodes,
     wavelength,
 )
 from photizon_cl.scene.declarations import declare, number
 from photizon_cl.scene.described import ABSENT, REQUIRED, Accepts, parameters_of
-from photizon_cl.scene.number_lists import Ascending
+from photizon_cl.scene.number_lists import Ascending, lengths_agree
 from photizon_cl.scene.parameters import LARGEST, Integer, Number, Numbers, Parameter
 from photizon_cl.scene.whole import read_whole
 
@@ -306,7 +305,7 @@ class IndexTable(Dispersion):
     @classmethod
     def cross_check(cls, known: Known) -> list[Problem]:
         """Check that there is an index for each wavelength."""
-        return lengths_agree(known, "index")
+        return lengths_agree(known, "wavelength_nm", "wavelength", "index")
 
     @property
     def domain(self) -> tuple[float, float] | None:
