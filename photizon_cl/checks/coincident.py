@@ -10,7 +10,8 @@ import numpy as np
 from photizon_cl.geometry.coincidence import shared_places
 from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.planes import PlaneFaces, lies_within
-from photizon_cl.scene.faces import Circular, Plane, Revolved
+from photizon_cl.scene.faces import Plane, Revolved
+from photizon_cl.scene.outlines import Circular
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

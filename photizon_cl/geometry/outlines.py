@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from photizon_cl.scene.elements import Element
-    from photizon_cl.scene.faces import Outline
+    from photizon_cl.scene.outlines import Outline
 
     Line = NDArray[np.float64]
     """Points of a polyline, shape (k, 3), in metres."""

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from photizon_cl.geometry.neighbours import Neighbours
     from photizon_cl.scene.elements import Element
-    from photizon_cl.scene.faces import Outline
     from photizon_cl.scene.frames import Vec3
+    from photizon_cl.scene.outlines import Outline
 
     Numbers = NDArray[np.int64]
     Wanted = Callable[[Any, Any], Any]

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from photizon_cl.scene.faces import Ball, Circular, Plane, Rectangular
+from photizon_cl.scene.faces import Ball, Plane
 from photizon_cl.scene.frames import frame
+from photizon_cl.scene.outlines import Circular, Rectangular
 
 if TYPE_CHECKING:
     from photizon_cl.scene.elements import Element

@@ -15,8 +15,9 @@ import numpy as np
 
 from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.planes import PlaneFaces, dot
-from photizon_cl.scene.faces import Circular, Plane, Rectangular, Revolved
+from photizon_cl.scene.faces import Plane, Revolved
 from photizon_cl.scene.frames import to_local
+from photizon_cl.scene.outlines import Circular, Rectangular
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

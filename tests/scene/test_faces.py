@@ -22,7 +22,8 @@ from photizon_cl.geometry.wedges import edge_factors
 from photizon_cl.scene.declarations import positive_length
 from photizon_cl.scene.elements.base import Element
 from photizon_cl.scene.elements.flat import Flat
-from photizon_cl.scene.faces import Ball, Circular, Plane, Rectangular, Revolved
+from photizon_cl.scene.faces import Ball, Plane, Revolved
+from photizon_cl.scene.outlines import Circular, Rectangular
 from photizon_cl.scene.registry import ELEMENTS, SOURCES, SURFACES
 from photizon_cl.views.drawing.sections import DETECTOR, SOURCE
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from photizon_cl.errors import Problem, show
 from photizon_cl.scene.declarations import integer, number, positive_length
 from photizon_cl.scene.elements.base import ROUNDOFF, Element
-from photizon_cl.scene.faces import Plane, Rectangular
+from photizon_cl.scene.faces import Plane
+from photizon_cl.scene.outlines import Rectangular
 from photizon_cl.scene.rows import Row
 
 if TYPE_CHECKING:

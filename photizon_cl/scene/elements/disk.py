@@ -13,8 +13,8 @@ from photizon_cl.scene.bins import MapBins
 from photizon_cl.scene.declarations import number, positive_length
 from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.flat import EDGES, EDGES_TILTED, Flat
-from photizon_cl.scene.faces import Circular
 from photizon_cl.scene.filters.along import across
+from photizon_cl.scene.outlines import Circular
 from photizon_cl.scene.parameters import LARGEST
 
 if TYPE_CHECKING:

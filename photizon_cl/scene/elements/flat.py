@@ -15,8 +15,9 @@ from photizon_cl.scene.rows import Row
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from photizon_cl.scene.faces import Face, Outline
+    from photizon_cl.scene.faces import Face
     from photizon_cl.scene.frames import Vec3
+    from photizon_cl.scene.outlines import Outline
 
 EDGES: Final = (4.0, 2.0)
 """How many roundings a face goes on beyond its edge, and how many within it points are put back."""

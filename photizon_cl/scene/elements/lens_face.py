@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 from photizon_cl.scene.elements.base import ROUNDOFF
 from photizon_cl.scene.elements.placed import Placed
 from photizon_cl.scene.elements.sheets import Sheet, sheet_area, sheet_sag
-from photizon_cl.scene.faces import Circular, Plane
+from photizon_cl.scene.faces import Plane
+from photizon_cl.scene.outlines import Circular
 
 if TYPE_CHECKING:
     from photizon_cl.scene.faces import Face

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from photizon_cl.scene.faces import Revolved
 
 if TYPE_CHECKING:
-    from photizon_cl.scene.faces import Ball, Values
+    from photizon_cl.scene.faces import Ball
+    from photizon_cl.scene.outlines import Values
 
 __all__ = ["Placed"]
 

@@ -17,7 +17,8 @@ from photizon_cl.scene.elements.lens import (
     on_cap,
     sag,
 )
-from photizon_cl.scene.faces import Circular, Plane
+from photizon_cl.scene.faces import Plane
+from photizon_cl.scene.outlines import Circular
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,8 +11,8 @@ from photizon_cl.scene.areas import even_areas
 from photizon_cl.scene.bins import MapBins
 from photizon_cl.scene.declarations import positive_length
 from photizon_cl.scene.elements.flat import Flat
-from photizon_cl.scene.faces import Rectangular
 from photizon_cl.scene.filters.along import across
+from photizon_cl.scene.outlines import Rectangular
 
 
 @dataclass(frozen=True, kw_only=True)

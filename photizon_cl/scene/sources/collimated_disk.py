@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from photizon_cl.scene.declarations import number, positive_length
-from photizon_cl.scene.faces import Circular, Plane
+from photizon_cl.scene.faces import Plane
 from photizon_cl.scene.frames import sincos_deg
+from photizon_cl.scene.outlines import Circular
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import DirectedSource, circle_area
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from photizon_cl.scene.declarations import positive_length
-from photizon_cl.scene.faces import Circular, Plane
+from photizon_cl.scene.faces import Plane
+from photizon_cl.scene.outlines import Circular
 from photizon_cl.scene.rows import Row
 from photizon_cl.scene.sources.base import DirectedSource, circle_area
 
