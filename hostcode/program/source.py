@@ -12,7 +12,8 @@ from hostcode.program.structs import ITEM, LAUNCH, LAUNCH_TYPES, c_struct
 from hostcode.templates import lane, render
 
 if TYPE_CHECKING:
-    from hostcode.program.spec import EffectParts, ProgramSpec
+    from hostcode.program.parts import EffectParts
+    from hostcode.program.spec import ProgramSpec
 
 __all__ = ["HOOKS", "PLACES", "RECORDS", "hook_name", "program_source"]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from hostcode.program.parts import TallyForm
 from hostcode.program.precision import FP64
-from hostcode.program.spec import TallyForm
 from photizon_cl.compile.grid import Grid
 from photizon_cl.geometry.neighbours import Neighbours
 from photizon_cl.geometry.placing import recentred
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from hostcode.program.parts import ElementClass, Strides
     from hostcode.program.precision import Precision
-    from hostcode.program.spec import ElementClass, Strides
     from photizon_cl.compile.layout import TallyLayout
     from photizon_cl.compile.rays import Beam
     from photizon_cl.scene.coatings import Coating

@@ -8,7 +8,8 @@ import numpy as np
 
 from hostcode.errors import HostError
 from hostcode.program.codes import decode, encode
-from hostcode.program.spec import CACHE_LINE, ElementClass, SourceKind, Strides, SurfaceKind
+from hostcode.program.parts import ElementClass, SourceKind, Strides, SurfaceKind
+from hostcode.program.spec import CACHE_LINE
 from photizon_cl.compile.grid import Indices, numbers_of
 from photizon_cl.errors import ArgumentError
 from photizon_cl.geometry.placing import bounded, moved

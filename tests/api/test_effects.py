@@ -9,8 +9,8 @@ import pytest
 
 import photizon_cl as pz
 from hostcode.device import kept_kernels
+from hostcode.program.parts import EffectParts
 from hostcode.program.plan import ExecutionPlan
-from hostcode.program.spec import EffectParts
 from hostcode.run.wavefront import Engine
 from photizon_cl.cli.main import main
 from photizon_cl.compile.compiled import compile_scene

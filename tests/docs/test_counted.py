@@ -34,7 +34,7 @@ FN void count_landings(const launch_t *launch, const ledger_t *ledger, lint elem
 CLASS = '''\
 """Power that meets each element."""
 
-from hostcode.program.spec import EffectParts
+from hostcode.program.parts import EffectParts
 from photizon_cl.compile.effects.base import Effect
 
 

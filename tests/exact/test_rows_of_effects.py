@@ -9,7 +9,7 @@ from oracles.engine import scene_of
 from oracles.scenes import beam, wall
 
 import photizon_cl as pz
-from hostcode.program.spec import EffectParts
+from hostcode.program.parts import EffectParts
 from photizon_cl.cli.main import main
 from photizon_cl.compile import compiled
 from photizon_cl.compile.effects.base import Effect

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from oracles.engine import PLAN, compiled, open_device, scene_of
@@ -15,8 +15,11 @@ from hostcode.assets import kernels_dir
 from hostcode.errors import HostError, KernelBuildError
 from hostcode.program.build import build
 from hostcode.program.fields import EndingField, HitField, RayField
+from hostcode.program.parts import EffectParts
 from hostcode.program.source import HOOKS, PLACES, RECORDS, program_source
-from hostcode.program.spec import EffectParts, ProgramSpec
+
+if TYPE_CHECKING:
+    from hostcode.program.spec import ProgramSpec
 
 
 def spec(*parts: EffectParts) -> ProgramSpec:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from hostcode.program.spec import EffectParts
+from hostcode.program.parts import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.compile.packing import codes_in_order
 from photizon_cl.compile.tree_nodes import TREE_NODE, add_tree

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from hostcode.program.fields import HitField, RayField
-from hostcode.program.spec import EffectParts
+from hostcode.program.parts import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.geometry.contact import in_contact, note_size
 from photizon_cl.geometry.neighbours import Neighbours

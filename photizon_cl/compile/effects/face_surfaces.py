@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from hostcode.program.spec import EffectParts
+from hostcode.program.parts import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.scene.rows import Row
 

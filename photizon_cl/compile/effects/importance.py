@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from hostcode.program.fields import LAUNCHED, RayField
-from hostcode.program.spec import EffectParts
+from hostcode.program.parts import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.compile.layout import LedgerRow
 from photizon_cl.geometry.placing import moved

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from hostcode.program.fields import EndingField, RayField
-from hostcode.program.spec import EffectParts
+from hostcode.program.parts import EffectParts
 from photizon_cl.compile.effects.base import Effect
 
 if TYPE_CHECKING:

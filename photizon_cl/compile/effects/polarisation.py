@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from hostcode.program.fields import RayField
-from hostcode.program.spec import EffectParts
+from hostcode.program.parts import EffectParts
 from photizon_cl.compile.effects.base import Effect
 from photizon_cl.scene.polarisation import Polarisation as Polarised
 from photizon_cl.scene.rows import Row
