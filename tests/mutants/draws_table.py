@@ -13,7 +13,7 @@ from mutants.short_gates import (
     scatter,
     tilted_scatter,
 )
-from oracles import branching, chance, gates
+from oracles import branching, chance, gates, random_gates
 
 MUTANTS = (
     Mutant(
@@ -76,12 +76,12 @@ MUTANTS = (
     Mutant(
         'decision left out of the counter',
         {'philox.decision': '0u'},
-        gates.counter_layout,
+        random_gates.counter_layout,
     ),
     Mutant(
         'generation left out of the counter',
         {'philox.generation': '0u'},
-        gates.counter_layout,
+        random_gates.counter_layout,
     ),
     Mutant(
         'every bounce of a ray draws the same numbers (correlated streams)',
@@ -91,27 +91,27 @@ MUTANTS = (
     Mutant(
         'ray number cut to 32 bits',
         {'philox.ray': '0u'},
-        gates.counter_layout,
+        random_gates.counter_layout,
     ),
     Mutant(
         'siblings share a counter',
         {'children.sibling': '(p << 1)'},
-        gates.paths_are_unique,
+        random_gates.paths_are_unique,
     ),
     Mutant(
         'siblings share a counter beyond 54 splits',
         {'children.mixed_sibling': ''},
-        lambda: gates.paths_are_unique(2**54, 6),
+        lambda: random_gates.paths_are_unique(2**54, 6),
     ),
     Mutant(
         'nine rounds of Philox',
         {'philox.rounds': 9},
-        gates.counter_layout,
+        random_gates.counter_layout,
     ),
     Mutant(
         'uniforms in (0, 1]',
         {'philox.low_word': 'TO_REAL((lo >> 11) + 1u)'},
-        gates.unit_interval,
+        random_gates.unit_interval,
     ),
     Mutant(
         'isotropic in theta instead of cos theta',

@@ -11,7 +11,7 @@ import re
 
 import pytest
 from mutants.tables import ALL
-from oracles import gates
+from oracles import gates, random_gates
 
 from hostcode import templates
 from hostcode.assets import kernels_dir
@@ -33,5 +33,5 @@ def test_production_renders_what_stands_there() -> None:
 
 
 def test_the_engine_is_whole_again_after_a_mutant() -> None:
-    gates.counter_layout()
+    random_gates.counter_layout()
     gates.first_named_is_hit()
