@@ -262,6 +262,8 @@ class DetectorResult:
 
     def __repr__(self) -> str:
         parts = [f"{self.power} W", f"{self.power.count} arrivals"]
+        if self.by_wavelength:
+            parts.append(f"{len(self.by_wavelength)} wavelengths")
         if self.ladder is not None:
             parts.append(f"{len(self.ladder)} generations")
         if self.map is not None:
@@ -269,6 +271,11 @@ class DetectorResult:
         if self.paths is not None:
             parts.append(f"{len(self.paths)} paths")
         return f"<DetectorResult {', '.join(parts)}>"
+
+    @property
+    def by_wavelength(self) -> tuple[Estimate, ...]:
+        """Its power of each line or band, in W; empty where the scene does not keep them apart."""
+        return self.power.by_wavelength
 
     def summary(self) -> dict[str, Any]:
         """Return what the summary says of the detector."""

@@ -37,6 +37,8 @@ def test_quantities_go_by_line(result):
     name = 'detectors."element 3".power'
     assert f"{name}.by_wavelength[2]" in result.quantity_names
     power = result.detectors["element 3"].power
+    assert result.detectors["element 3"].by_wavelength == power.by_wavelength
+    assert f"{len(power.by_wavelength)} wavelengths" in repr(result.detectors["element 3"])
     found = result.quantity(f"{name}.by_wavelength[2]")
     assert found == power.by_wavelength[2].value
     assert found.count == power.by_wavelength[2].count
