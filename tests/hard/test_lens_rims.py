@@ -83,6 +83,7 @@ def test_rays_along_the_edge_get_out_where_they_do() -> None:
     [
         lens_guards.rims_hold,
         lens_guards.grazing_roots_stay,
+        lens_guards.grazing_rays_leave_by_a_smooth_rim,
     ],
     ids=lambda gate: gate.__name__,
 )

@@ -178,6 +178,11 @@ MUTANTS = (
         lens_guards.grazing_roots_stay,
     ),
     Mutant(
+        "a root that grazes is known as well as where rounding has put it",
+        {"quadric.grazed": "s"},
+        lens_guards.grazing_rays_leave_by_a_smooth_rim,
+    ),
+    Mutant(
         "a chord is polished once",
         {"quadric.polished": "t"},
         lens_guards.grazing_chords_end_on_their_face,

@@ -141,6 +141,21 @@ def grazing_roots_stay() -> None:
         _hold("halved", "oblate end", number)
 
 
+def grazing_rays_leave_by_a_smooth_rim() -> None:
+    """What runs along the edge of a lens in a tube leaves by the front that goes on from it."""
+    region = lens_made("glass in a barrel", "oblate end", Mirror(1.0), (0.0, 0.0), 1.0, (0, 0, 0))
+    body = region.elements[0]
+    out, r = circle(4096), np.random.default_rng(32)
+    below = 10.0 ** -r.uniform(11, 14, (len(out), 1))
+    aside = 10.0 ** -r.uniform(6, 9, (len(out), 1))
+    middle = 0.5 * body.edge_thickness * np.array([0.0, 0.0, 1.0])
+    ends = body.aperture_radius * out + middle
+    starts = body.aperture_radius * (1.0 - below) * out - 0.9 * middle
+    starts += aside * np.cross(middle, out)
+    along = (ends - starts) / np.linalg.norm(ends - starts, axis=1)[:, None]
+    assert leaks_of(region, starts, along, steps=1) == (0, 0)
+
+
 def _hold(kind: str, shape: str, number: int) -> None:
     r = np.random.default_rng([31, number])
     scale, away = ((1.0, 0.0), (1e-6, 0.0), (1e6, 1.3), (1e-6, 37.0))[number % 4]
