@@ -82,8 +82,9 @@ def traced(run: Run) -> dict[str, Any]:
         run.preset, seed=run.seed, target=run.target, target_on=run.on or None,
         max_seconds=120.0, progress=note,
     )  # fmt: skip
-    kept = result.info.forecast
-    seconds = result.info.seconds
+    kept, seconds = result.info.forecast, result.info.seconds
+    if kept is not None and kept.after_batches == result.batches:
+        kept = None  # told when the run was over
     row = {
         "preset": run.preset, "target": run.target, "seed": run.seed, "on": list(run.on),
         "batches": result.batches, "seconds": seconds, "converged": result.converged,

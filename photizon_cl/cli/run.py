@@ -57,8 +57,6 @@ def call(arguments: argparse.Namespace) -> int:
     """Trace a scene, or a recipe, as the arguments say; return the exit status."""
     if arguments.out == "":
         raise ArgumentError("--out: found nothing, expected a directory")
-    if arguments.no_figures and arguments.out is None:
-        raise ArgumentError("--no-figures: found no --out, expected one: figures go there only")
     recipe = None
     if arguments.recipe is not None:
         recipe = _recipe(arguments)

@@ -53,8 +53,6 @@ def call(arguments: argparse.Namespace) -> int:
         raise ArgumentError("FILE: found nothing, expected a sweep file")
     if arguments.out == "":
         raise ArgumentError("--out: found nothing, expected a directory")
-    if arguments.no_figures and arguments.out is None:
-        raise ArgumentError("--no-figures: found no --out, expected one: figures go there only")
     if arguments.max_seconds is not None and not 0.0 < arguments.max_seconds <= 1e9:
         raise ArgumentError(
             f"--max-seconds: found {show(arguments.max_seconds)}, expected a positive time, up to "

@@ -196,6 +196,10 @@ def _of_detector(
     name: str, parts: list[str | int], line: int | None, scene: Scene, layout: TallyLayout
 ) -> Quantity:
     by_name = {scene.element[d.element].name: d for d in layout.detectors}
+    if not by_name:
+        raise ArgumentError(
+            f"quantity: found {show(name)}, expected a row of the ledger: the scene has no detector"
+        )
     n = _element(str(parts[1]), scene, list(by_name), "detectors")
     d = by_name[scene.element[n].name]
     stem = f"detectors.{quoted(scene.element[n].name)}"

@@ -11,6 +11,8 @@ import io
 import re
 from typing import TYPE_CHECKING, Final
 
+from photizon_cl.result.path_table import OTHER_PATHS
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -80,7 +82,7 @@ def paths_csv(result: Estimates) -> str:
                     yield (name, n, row.sequence, row.power, sigma, *ends)
                 rest = table.rest
                 sigma = "" if rest.sigma is None else rest.sigma
-                yield (name, "", "all other paths", rest.power, sigma, rest.count, "", "", "")
+                yield (name, "", OTHER_PATHS, rest.power, sigma, rest.count, "", "", "")
 
     head = ("detector", "rank", "sequence", "value_W", "sigma_W", "count", "interactions")
     return csv_text((*head, "ghost_order", "example_ray"), rows())

@@ -113,7 +113,8 @@ class Outlook:
     batches : int
         Those that they made.
     kept : Forecast or None
-        The one that they kept; it is made anew where it came too early in the run to be kept.
+        The one that they kept; it is made anew where it came too early in the run to be kept, or
+        at its end.
     """
 
     _SHARE: Final = 0.02
@@ -121,6 +122,8 @@ class Outlook:
 
     def __init__(self, goal: Goal, before: float, batches: int, kept: Forecast | None) -> None:
         self.goal, self.before = goal, before
+        if kept is not None and kept.low == kept.high and kept.after_batches == batches:
+            kept = None
         self.kept = self.latest = kept
         self._settled = kept is not None and kept.settled(before)
         self._first: tuple[int, float] | None = None
@@ -151,6 +154,13 @@ class Outlook:
         if not self._settled:
             self.kept = told
             self._settled = told.settled(self.before + elapsed)
+
+    def at_end(self, batches: int, seconds: float) -> Forecast:
+        """Return the one to keep of a run that ended after so many batches and seconds.
+
+        Where it was over before anything could be told it is what the run took.
+        """
+        return self.kept or Forecast(batches, seconds, seconds, seconds)
 
     def _told(
         self, layout: TallyLayout, tally: Accumulator, elapsed: float, step: int

@@ -14,7 +14,7 @@ from photizon_cl.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
+    from numpy.typing import DTypeLike, NDArray
 
 __all__ = ["GhostPair", "Ghosts"]
 
@@ -48,6 +48,8 @@ class GhostPair:
 class Ghosts:
     """Power of the paths with two reflections at refracting faces, by the pair.
 
+    For NumPy it is the matrix `power`.
+
     Attributes
     ----------
     faces : tuple of str
@@ -69,6 +71,11 @@ class Ghosts:
     def __repr__(self) -> str:
         power = sum(pair.power for pair in self._pairs)
         return f"<Ghosts: {len(self._pairs)} pairs of {len(self.faces)} faces, {power:.6g} W>"
+
+    def __array__(
+        self, dtype: DTypeLike | None = None, copy: bool | None = None
+    ) -> NDArray[np.float64]:
+        return np.array(self.power, dtype, copy=True if copy is None else copy)
 
     def pairs(self) -> tuple[GhostPair, ...]:
         """Return the pairs that bring anything, the strongest first."""

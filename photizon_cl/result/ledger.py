@@ -135,6 +135,15 @@ class Estimate(float):
         return format(self.value, how) if how else str(self)
 
 
+class Group(Table[Estimate]):
+    """Rows of the ledger that belong together, by name, as items and as attributes."""
+
+    def __getattr__(self, name: str) -> Estimate:
+        if name.startswith("_") or name not in self:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return self[name]
+
+
 @dataclass(frozen=True)
 class Roulette:
     """What roulette took and gave.
@@ -278,12 +287,29 @@ class Ledger:
     @property
     def absorbed_in(self) -> Mapping[str, Estimate]:
         """What media absorbed, by their names, in the order of the scene."""
-        mine = {
-            name.removeprefix(f"{ABSORBED_IN}."): self.others[title]
+        return self._group(ABSORBED_IN)
+
+    def __getattr__(self, name: str) -> Group:
+        """Give the rows of a group that an effect brings: ``ledger.importance.balance``.
+
+        Raises
+        ------
+        AttributeError
+            Where no effect of the scene brings it.
+        """
+        # while it is unpickled there is nothing to look into
+        found = None if name.startswith("_") or "names" not in self.__dict__ else self._group(name)
+        if not found:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return found
+
+    def _group(self, group: str) -> Group:
+        rows = {
+            name.removeprefix(f"{group}."): self.others[title]
             for title, name in self.names.items()
-            if name.startswith(f"{ABSORBED_IN}.")
+            if name.startswith(f"{group}.")
         }
-        return Table(f"ledger.{ABSORBED_IN}", mine)
+        return Group(f"ledger.{group}", rows)
 
     def summary(self) -> dict[str, Any]:
         """Return the ledger as the summary holds it."""

@@ -12,8 +12,8 @@ import numpy as np
 from photizon_cl.errors import ArgumentError, show
 from photizon_cl.result.data_frame import data_frame_of
 from photizon_cl.result.ghosts import Ghosts
-from photizon_cl.result.ledger import watts
 from photizon_cl.result.path_rows import PathGroup, PathRest, PathRow
+from photizon_cl.result.path_sums import PathSums, strongest
 from photizon_cl.result.trails import EVENTS, Step, sequence, words
 from photizon_cl.scene.names import unknown_name
 
@@ -25,12 +25,13 @@ if TYPE_CHECKING:
 
     from photizon_cl.compile.compiled import CompiledScene
     from photizon_cl.compile.layout import DetectorCells
-    from photizon_cl.result.keyed_sums import KeyedSums
     from photizon_cl.result.statistics import Accumulator
     from photizon_cl.result.trails import Trails
 
-__all__ = ["PathTable"]
+__all__ = ["OTHER_PATHS", "PathTable"]
 
+OTHER_PATHS: Final = "all other paths"
+"""Where the sequence stands of what has no row."""
 _SHOWN: Final = 10
 _UNKNOWN: Final = "(its example ray was not followed)"
 
@@ -54,9 +55,11 @@ class PathTable(Sequence[PathRow]):
         rows: tuple[PathRow, ...],
         exact: tuple[int, ...],
         columns: NDArray[np.int64],
-        about: _About,
+        about: PathSums,
+        *,
+        whole: bool = True,
     ) -> None:
-        self.detector, self.rows = detector, rows
+        self.detector, self.rows, self._whole = detector, rows, whole
         self._exact, self._columns, self._about = exact, columns, about
 
     # -- a sequence of rows ----------------------------------------------------------------------
@@ -168,7 +171,7 @@ class PathTable(Sequence[PathRow]):
     def _some(self, kept: list[int]) -> PathTable:
         rows = tuple(self.rows[n] for n in kept)
         exact = tuple(self._exact[n] for n in kept)
-        return PathTable(self.detector, rows, exact, self._columns[kept], self._about)
+        return PathTable(self.detector, rows, exact, self._columns[kept], self._about, whole=False)
 
     def _test(self, name: str) -> Callable[[Step], bool]:
         known = self._about.places
@@ -246,10 +249,11 @@ class PathTable(Sequence[PathRow]):
     # -- other forms -----------------------------------------------------------------------------
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Return the rows as a data frame of pandas.
+        """Return the rows as a data frame of pandas, and behind those of a whole table the rest.
 
         Columns ``sequence``, ``power``, ``sigma`` (W; NaN with a single batch), ``count``,
-        ``interactions``, ``ghost_order``, ``example_ray``.
+        ``interactions``, ``ghost_order``, ``example_ray``; the last three are unknown
+        (``pandas.NA``) of the rest, which is there where something arrived by other paths.
 
         Raises
         ------
@@ -266,8 +270,15 @@ class PathTable(Sequence[PathRow]):
             "example_ray",
         )
         columns = {name: [getattr(row, name) for row in self.rows] for name in names}
+        if self._whole and self.rest.count:
+            rest = {"sequence": OTHER_PATHS, **vars(self.rest)}
+            for name, column in columns.items():
+                column.append(rest.get(name))
         columns["sigma"] = [math.nan if s is None else s for s in columns["sigma"]]
-        return data_frame_of(columns)
+        made = data_frame_of(columns)
+        # numbers of rays stay whole beside one that is not known
+        unknown = [name for name in names[4:] if None in columns[name]]
+        return made.astype(dict.fromkeys(unknown, "Int64"))
 
     def summary(self) -> dict[str, Any]:
         """Return what the summary says: how many, the strongest, and the rest."""
@@ -291,7 +302,7 @@ class PathTable(Sequence[PathRow]):
         sums = tally.keyed
         assert sums is not None
         mine = strongest(sums, number, d.paths)
-        about = _About(compiled, tally, d, number)
+        about = PathSums(compiled, tally, d, number)
         known = {} if trails is None else trails.by_key
         made: dict[int, Step] = {}
         errors = np.sqrt(sums.m2[mine] / max(tally.batches - 1, 1) / max(tally.batches, 1))
@@ -317,105 +328,5 @@ class PathTable(Sequence[PathRow]):
         return cls(about.name, tuple(rows), tuple(exact), mine, about)
 
 
-def strongest(sums: KeyedSums, detector: int, most: int) -> NDArray[np.int64]:
-    """Return which keys are a detector's strongest paths, by falling power, then by example."""
-    mine = np.flatnonzero(sums.about >> 32 == detector)
-    limbs = sums.limbs[mine]
-    rank = np.lexsort(
-        (sums.keys[mine], sums.first[mine], -limbs[:, 3], -limbs[:, 2], -limbs[:, 1], -limbs[:, 0])
-    )
-    return np.asarray(mine[rank[:most]], np.int64)
-
-
 def _names(given: str | Sequence[str]) -> tuple[str, ...]:
     return (given,) if isinstance(given, str) else tuple(given)
-
-
-class _About:
-    """What a table's parts share: the detector, and how sums become watts."""
-
-    def __init__(
-        self, compiled: CompiledScene, tally: Accumulator, d: DetectorCells, number: int
-    ) -> None:
-        self.compiled, self.batches = compiled, tally.batches
-        assert tally.keyed is not None
-        self.sums = tally.keyed
-        self.name = compiled.scene.element[d.element].name
-        self.power_exact = tally.exact(d.power)
-        self.power_count = int(tally.counts(d.power, 1)[0])
-        self.power_values = tally.batch_values.of(d.power)
-        self.power_sigma = float(tally.standard_error(d.power, 1)[0])
-        self.total_paths = int(np.count_nonzero(self.sums.about >> 32 == number))
-        self.complete = not self.sums.full(number)
-        self.nothing = 0.0 if tally.batches > 1 else None
-
-    def watts(self, exact: int) -> float:
-        return watts(self.compiled, exact, self.batches)
-
-    @property
-    def table(self) -> NDArray[np.float64]:
-        return self.sums.table()
-
-    @cached_property
-    def places(self) -> dict[str, frozenset[tuple[str, str]]]:
-        """What `via` may name: elements and faces."""
-        found: dict[str, set[tuple[str, str]]] = {}
-        for element in self.compiled.scene.element:
-            for face in element.face_names:
-                step = Step(element.name, face, "", refracting=False)
-                plain = f"{element.name}.{face}"
-                for name in (element.name, plain, step.place):
-                    found.setdefault(name, set()).add((element.name, face))
-        return {name: frozenset(pairs) for name, pairs in found.items()}
-
-    @property
-    def refracting(self) -> list[str]:
-        """Every refracting face, in file order."""
-        return [
-            Step(element.name, face, "", refracting=True).place
-            for element in self.compiled.scene.element
-            for face in dict.fromkeys(
-                face.name for n, face in enumerate(element.faces) if element.surface_of(n).refracts
-            )
-        ]
-
-    def _split(self, columns: NDArray[np.int64]) -> tuple[NDArray[np.float64], float]:
-        """Return the batches' sums of the paths that are followed, and a bound for the others."""
-        followed = columns[columns < self.table.shape[1]]
-        others = columns[columns >= self.table.shape[1]]
-        n = self.batches
-        bound = float(np.sqrt(self.sums.m2[others] / (n - 1) / n).sum())
-        return self.table[:, followed].sum(axis=1), bound
-
-    def _error(self, values: NDArray[np.float64], bound: float) -> float:
-        own = float(values.std(ddof=1)) / math.sqrt(self.batches)
-        return (own + bound) * self.compiled.unit_power
-
-    def sigma(self, columns: NDArray[np.int64], rows: tuple[PathRow, ...]) -> float | None:
-        """Return the standard error of a sum of paths."""
-        if self.batches < 2:
-            return None
-        if len(rows) == 1:
-            return rows[0].sigma
-        return self._error(*self._split(columns))
-
-    def is_bounded(self, columns: NDArray[np.int64]) -> bool:
-        """Say whether the σ of a sum of paths is an upper bound."""
-        single = self.batches < 2 or len(columns) == 1
-        return not single and bool((columns >= self.table.shape[1]).any())
-
-    def rest_is_bounded(self, columns: NDArray[np.int64]) -> bool:
-        """Say whether the σ of the power without some paths is an upper bound."""
-        if self.batches < 2:
-            return False
-        return self.power_values is None or bool((columns >= self.table.shape[1]).any())
-
-    def rest_sigma(self, columns: NDArray[np.int64], rows: tuple[PathRow, ...]) -> float | None:
-        """Return the standard error of the power without some paths."""
-        if self.batches < 2:
-            return None
-        values, bound = self._split(columns)
-        if self.power_values is None:
-            own = self.sigma(columns, rows) or 0.0
-            return own + self.power_sigma * self.compiled.unit_power
-        return self._error(self.power_values - values, bound)

@@ -171,6 +171,8 @@ def go_on(
 
     `keeping` makes what writes the checkpoints.
     """
+    if progress is not None and not callable(progress):
+        raise ArgumentError(f"progress: found {show(progress)}, expected a function or None")
     executor = of_dask(executor)
     plan = _fitting(start.compiled, device, executor, plan, goal, saved=checkpoint is not None)
     keeper = None if checkpoint is None else keeping(checkpoint, start)
@@ -236,16 +238,17 @@ def _add_batches(
     outlook = Outlook(goal, info.seconds, tally.batches, info.forecast)
 
     def so_far(stopped: str = "") -> RunInfo:
+        seconds = info.seconds + clock.elapsed()
         return dataclasses.replace(
             info,
             device=label,
             interactions=info.interactions + interactions,
-            seconds=info.seconds + clock.elapsed(),
+            seconds=seconds,
             build_seconds=info.build_seconds + build,
             worst_closure=worst,
             history=history.rows,
             stopped=stopped,
-            forecast=outlook.kept,
+            forecast=outlook.at_end(tally.batches, seconds) if stopped else outlook.kept,
             portable=portable,
         )
 

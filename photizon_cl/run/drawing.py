@@ -37,7 +37,7 @@ def draw(
     scene : Scene, str, path or mapping
         A scene, or what `photizon_cl.load` makes one of.
     rays : int, optional
-        Launched rays, at least one for each source; 0 draws none and needs no device.
+        Launched rays, as `photizon_cl.paths` takes them; 0 draws none and needs no device.
     seed : int, optional
         The random stream; default that of the scene's ``[run]``.
     by : str, optional

@@ -60,7 +60,8 @@ def paths(
     scene : Scene, str, path or mapping
         A scene, or what `photizon_cl.load` makes one of.
     rays : int, optional
-        Launched rays, at least one for each source.
+        Launched rays. Of fewer than the sources have lines, those of that many lines, evenly
+        chosen of a batch in which each line launches one.
     seed : int, optional
         The random stream; default that of the scene's ``[run]``.
     ending_on : str, optional
@@ -99,13 +100,16 @@ def paths(
         Where there is no usable device, or it fails.
     """
     loaded = load(scene)
+    least = max(loaded.fewest_rays, 1)
+    anew = ending_on is None and ray_numbers is None
+    n_rays = _whole("rays", rays, 1, MAX_RAYS_PER_BATCH)
+    if anew and n_rays < least:
+        ray_numbers = [k * least // n_rays for k in range(n_rays)]
     picked = ending_on is not None or ray_numbers is not None
     if via and ending_on is None:
         raise ArgumentError("via: give ending_on as well, the element that the paths end on")
-    least = 1 if picked else max(loaded.fewest_rays, 1)
-    n_rays = _whole("rays", rays, least, MAX_RAYS_PER_BATCH)
     most = _whole("max_segments", max_segments, 1, _MOST_SEGMENTS)
-    per_batch = None if picked else n_rays
+    per_batch = max(n_rays, least) if anew else None
     as_run = _as_run(loaded, rays_per_batch=per_batch, seed=seed, generation_cap=generation_cap)
     length = _size(as_run) / 2.0 if escape_length is None else escape_length
     if not (isinstance(length, int | float) and 0.0 < length < math.inf):
@@ -212,8 +216,7 @@ def _whole(name: str, value: object, least: int, most: int) -> int:
     except TypeError:
         number = least - 1
     if isinstance(value, bool) or not least <= number <= most:
-        why = f" ({least} sources launch one each at least)" if name == "rays" and least > 1 else ""
         raise ArgumentError(
-            f"{name}: found {show(value)}, expected an integer from {least} to {most}{why}"
+            f"{name}: found {show(value)}, expected an integer from {least} to {most}"
         )
     return number

@@ -11,7 +11,7 @@ import numpy as np
 
 from hostcode.run.trails import follow_trails
 from photizon_cl.errors import PhotizonError, RunWarning
-from photizon_cl.result.path_table import strongest
+from photizon_cl.result.path_sums import strongest
 from photizon_cl.result.trails import Trails
 from photizon_cl.run.distribution import device_failures, open_chosen
 

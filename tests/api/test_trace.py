@@ -278,6 +278,7 @@ def test_progress_is_told():
         ({"device": 99}, "device: no device matches"),
         ({"device": 3.7}, "device: found 3.7, expected a number, type or part of a name"),
         ({"executor": 5}, "executor: found 5"),
+        ({"progress": True}, "progress: found true, expected a function or None"),
     ],
 )
 def test_bad_arguments(arguments, message):

@@ -31,3 +31,11 @@ def test_within_is_a_factor_to_either_side():
                              (7.9, 10.0, False)):  # fmt: skip
         assert forecasts.within({"seconds": told}, took) == good
     assert not forecasts.within(None, 10.0)
+
+
+def test_what_a_run_told_at_its_end_is_no_forecast(monkeypatch):
+    short = pz.trace("box-room", batches=8, rays_per_batch=64)
+    monkeypatch.setattr(forecasts.pz, "trace", lambda *_, **__: short)
+    row = forecasts.traced(forecasts.Run("box-room", 0.05, 1))
+    assert row["kept"] is None
+    assert row["at"] is None

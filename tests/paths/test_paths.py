@@ -184,6 +184,16 @@ def test_bad_arguments(arguments, message):
         pz.paths("box-room", **arguments)
 
 
-def test_a_ray_for_each_source():
-    with pytest.raises(pz.ArgumentError, match="rays: found 1, expected an integer from 2"):
-        pz.paths("baffled-tube", 1)
+def test_of_more_lines_than_rays_some_launch_one():
+    """Two sources of eight lines: a batch has 16 rays at least, of which every third is drawn."""
+    lines = [400.0 + 50.0 * n for n in range(8)]
+    scene = pz.load("baffled-tube").replace({"spectrum": pz.Spectrum(wavelengths_nm=lines)})
+    every = pz.paths(scene, 16, seed=4)
+    some = pz.paths(scene, 5, seed=4)
+    numbers = sorted(set(some.ray.tolist()))
+    assert numbers == [0, 3, 6, 9, 12]
+    assert len({line.wavelength_nm for line in some}) > 2
+    assert some.ledger == {}
+    picked = np.isin(every.ray, numbers)
+    assert np.array_equal(some.end, every.end[picked])
+    assert np.array_equal(some.weight, every.weight[picked])

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import json
+import pickle
 
 import pytest
 
@@ -114,6 +116,13 @@ def test_its_row_has_a_name_everywhere(tmp_path, capsys):
     assert found.value != 0.0
     assert "ledger.importance.balance" in result.quantity_names
     assert result.ledger.others["importance balance"].value == found.value
+    assert result.ledger.importance.balance.value == found.value
+    assert list(result.ledger.importance) == ["balance"]
+    again = pickle.loads(pickle.dumps(result.ledger))
+    assert again.importance["balance"] == copy.copy(result.ledger).importance.balance == found
+    for missing in (lambda: result.ledger.important, lambda: result.ledger.importance.killed):
+        with pytest.raises(AttributeError, match="has no attribute"):
+            missing()
     assert "importance balance" in (tmp_path / "run" / "ledger.csv").read_text("utf-8")
     assert result.ledger.closure == 0.0
     assert result.summary()["ledger"] == summary["ledger"]

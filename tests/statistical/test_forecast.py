@@ -247,6 +247,17 @@ def test_the_latest_is_shown_and_an_early_one_kept(room):
         assert (again.kept is not kept) == anew
 
 
+def test_a_run_that_is_over_at_once_is_told_at_its_end(room):
+    kept = room.info.forecast
+    assert kept == Forecast(9, *[room.info.seconds] * 3)
+    assert room.summary()["forecast"]["seconds"] == room.summary()["seconds"]
+    assert Forecast.read(kept.text()) == kept
+    # where it goes on that is no forecast of the rest
+    goal = Goal(90, None, None)
+    assert Outlook(goal, kept.seconds, 9, kept).kept is None
+    assert Outlook(goal, kept.seconds, 8, kept).kept is kept
+
+
 def test_what_is_left_is_the_rest_of_what_was_told():
     seen = []
     pz.trace("box-room", batches=400, rays_per_batch=2048, progress=seen.append)

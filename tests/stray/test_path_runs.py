@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -61,6 +62,19 @@ def test_rows_and_rest_are_the_power_to_the_last_bit():
         assert table.exact + table.rest.exact == whole.exact + whole.rest.exact
         assert table.rest.count == sum(row.count for row in whole[kept:])
         assert table.rest.paths == len(whole) - len(table)
+        frame = table.to_dataframe()
+        assert math.fsum(frame["power"]) == pytest.approx(
+            result.detectors["sensor"].power, rel=1e-15
+        )
+        assert frame["count"].sum() == result.detectors["sensor"].power.count
+        assert len(frame) == len(table) + (table.rest.count > 0)
+        if table.rest.count:
+            last = frame.iloc[-1]
+            assert (last["sequence"], last["sigma"]) == ("all other paths", table.rest.sigma)
+            assert frame["example_ray"][0] == table[0].example_ray
+            assert last[["interactions", "ghost_order", "example_ray"]].isna().all()
+        direct = table.filter(interactions=table[0].interactions)
+        assert len(direct.to_dataframe()) == len(direct)
 
 
 def keyed_digest(scene, plan, batches=3):

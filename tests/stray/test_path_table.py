@@ -51,6 +51,7 @@ def test_two_hundred_and_ten_ghosts_of_21_surfaces():
     ghosts = pz.trace(scene, batches=2).detectors["sensor"].paths.ghosts()
     assert len(ghosts.faces) == 21
     assert len(ghosts.pairs()) == 210
+    assert np.array_equal(np.asarray(ghosts), ghosts.power)
     assert (np.triu(ghosts.count) == 0).all()  # the first reflection is at the later face
     r = (0.05 / 2.05) ** 2
     # between two reflections all faces in between are passed two more times
