@@ -72,7 +72,7 @@ class SurfaceKind:
     number : int
         Its number in the codes.
     single : bool
-        Whether all its elements share one material.
+        Whether all its elements have one row of the material table, of every line the same.
     absorbs : bool
         Whether what it does not send on is absorbed by the element; else it sends on everything.
     splits : bool

@@ -1,5 +1,6 @@
 // Russian roulette: a ray below the floor goes on with twice its weight or ends, each with
-// probability 1/2 (a draw from [0, 1) below 1/2 goes on).  Both changes of weight are booked.
+// probability 1/2 (a draw from [0, 1) below 1/2 goes on); four times and 1/4 where a surface sends on four.
+// Both changes of weight are booked.
 // reads: weight, floor (fraction of the launched weight), draw DECIDE_ROULETTE.
 // writes: weight, alive; rows killed and boosted.  Played once an interaction, by the lanes of `met`.
 <%
@@ -17,7 +18,7 @@ FN void roulette(const launch_t *launch, packet_t *p, ledger_t *ledger, mask met
 % endif
 % if "ratio" in ray_real:
     // what it would weigh where no ray is sent towards anything; one as heavy as it was launched is not played
-    // for, so that none comes out more than twice as heavy
+    // for, so that none comes out heavier by more than that factor
     const weight launched = ${"p->launched" if "launched" in ray_real else "weight_splat(1.0)"};
     const mask low = p->alive & met & WEIGHT_LT(p->w, fmin(${point("roulette.aimed", "floor_weight * p->ratio")}, launched));
 % else:

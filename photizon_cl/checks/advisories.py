@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.elements import Element
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.sources import Source
+    from photizon_cl.scene.surfaces import Surface
 
 _ALIKE = 3e-3  # relative difference of indices that mean the same, as 1.33 and 1.333 do
 _CAPPED = 1e-6  # expected depth-capped part of the flux that is worth a word
@@ -227,6 +228,15 @@ def _capped_cavities(scene: Scene) -> Iterator[str]:
             )
 
 
+def _always(scene: Scene, surface: Surface) -> list[str]:
+    """Return what a surface advises at every wavelength: two indices may meet at one."""
+    said = scene.optics[surface].advice()
+    for nm in scene.wavelengths if said else ():
+        here = surface.among(scene.index_of(nm)).at(nm).advice()
+        said = [text for text in said if text in here]
+    return said
+
+
 def _surfaces(scene: Scene) -> Iterator[str]:
     for element in scene.element:
         for surface in element.surfaces:
@@ -236,7 +246,7 @@ def _surfaces(scene: Scene) -> Iterator[str]:
                     f.name for n, f in enumerate(element.faces) if element.surface_of(n) == surface
                 ]
                 named = f"{' and '.join(faces)} of {named}"
-            for text in scene.optics[surface].advice():
+            for text in _always(scene, surface):
                 yield f"{named} {text}"
     splitters = [e.name for e in scene.element if any(s.branches for s in e.surfaces)]
     splitters = splitters if scene.splits() else []

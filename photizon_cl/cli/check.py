@@ -186,8 +186,10 @@ def _pilot(scene: Scene, precision: str) -> tuple[list[str], list[str]]:
     except (PhotizonError, HostError, MemoryError) as error:  # the check stands without it
         return [f"pilot: none was traced: {str(error) or 'no memory is left for it'}"], []
     time: Outlay | Untold = Untold("the pilot's rays take too long")
-    with suppress(PhotizonError, HostError, MemoryError):  # fewer rays than a run has may not do
+    try:
         time = outlay(scene, precision=precision) if found.complete else time
+    except (PhotizonError, HostError, MemoryError) as error:  # fewer rays than a run has may not do
+        time = Untold(str(error) or "no memory is left for it")
     told = [f"pilot: {found}", f"time: {time}"]
     before = found.before(scene.run.rays_per_batch)
     return told, [*clashes, *filter(None, [before]), *time.advice()]

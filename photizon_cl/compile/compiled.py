@@ -148,7 +148,7 @@ def compile_scene(
     SceneError
         Where the settings ask for an effect that there is not, or that the scene cannot have.
     ArgumentError
-        Where a batch has fewer rays than the scene has sources, the rays of one source are so weak
+        Where a batch has fewer rays than the sources have lines, the rays of one source are so weak
         beside another's that the tally could not hold them, the scene has more elements or kinds
         than the kernels can tell apart, or something changes too fast with wavelength in a band.
     """
@@ -185,7 +185,7 @@ def compile_scene(
     axes = common.axes if common else [element.class_axis for element in scene.element]
     axes = [None] * len(axes) if draft.all_tilted else axes
     draft.classes, class_of = element_classes(scene, kinds, axes)
-    draft.grid = Grid.of(scene, by_line=layout.parts > 0)
+    draft.grid = Grid.of(scene)
     materials, draft.materials = material_table(scene, kinds, stride, draft.grid)
     draft.material_of = [draft.materials[element.surfaces[0]] for element in scene.element]
     surfaces = surface_kinds(kinds, draft.materials, common, divided=layout.parts > 0)

@@ -66,15 +66,8 @@ class Grid:
     first: tuple[int, ...] = ()
 
     @classmethod
-    def of(cls, scene: Scene, *, by_line: bool = True) -> Grid:
+    def of(cls, scene: Scene) -> Grid:
         """Return that of a scene.
-
-        Parameters
-        ----------
-        scene : Scene
-            The scene.
-        by_line : bool
-            Whether rays know their lines; else all are taken at the one that stands for all.
 
         Raises
         ------
@@ -82,8 +75,6 @@ class Grid:
             Where something depends on wavelength so strongly that too many pieces would be needed,
             or tables have too many nodes.
         """
-        if not by_line:
-            return cls((scene.reference_nm,))
         spectrum = scene.spectrum
         if spectrum is None or spectrum.edges_nm is None:
             return cls(scene.wavelengths)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from photizon_cl.compile.rays import beams_of, share_rays
+from photizon_cl.errors import counted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -71,7 +72,8 @@ class Paths:
     Parameters
     ----------
     scene : Scene
-        The scene as run: with these rays, seed and generation cap in ``[run]``.
+        The scene as run: the rays are of its batches, with its seed and generation cap in
+        ``[run]``.
     ray : ndarray, shape (n,), int64
         Number of the launched ray that each segment belongs to.
     start, end : ndarray, shape (n, 3), float64
@@ -154,8 +156,16 @@ class Paths:
 
     @property
     def power(self) -> NDArray[np.float64]:
-        """Power that each segment carries, in watts; the rays together launch the sources' flux."""
+        """Power that each segment carries, in watts.
+
+        All rays of a batch of the scene as run together launch the sources' flux.
+        """
         return self.weight * self.unit_power
+
+    @property
+    def launched(self) -> int:
+        """How many launched rays have segments here."""
+        return len(np.unique(self.ray))
 
     @property
     def escaped(self) -> NDArray[np.bool_]:
@@ -169,7 +179,7 @@ class Paths:
         if len(self.cut):
             numbers = ", ".join(map(str, self.cut[:5])) + (" …" if len(self.cut) > 5 else "")
             said.append(
-                f"{len(self.cut)} of {self.scene.run.rays_per_batch} rays (number {numbers}) have "
+                f"{len(self.cut)} of {counted(self.launched, 'ray')} (number {numbers}) have "
                 "more segments than max_segments and are not shown to their ends"
             )
         capped = self.ledger.get("depth-capped", 0.0)

@@ -10,11 +10,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, SupportsIndex, TypeVar, overload
 
 from photizon_cl.errors import UnknownNameError, show
+from photizon_cl.scene.limits import MOST_CHARACTERS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
-__all__ = ["ByName", "Table", "unknown_name"]
+__all__ = ["ByName", "Table", "similar", "unknown_name"]
 
 _MOST_NAMES = 12  # that a message lists
 
@@ -29,6 +30,16 @@ class HasName(Protocol):
 
 _N = TypeVar("_N", bound=HasName, covariant=True)
 _V = TypeVar("_V")
+
+
+def similar(word: object, known: Iterable[str]) -> list[str]:
+    """Return the known word that another one was probably meant for; long ones are not read."""
+    text = str(word)
+    if len(text) > MOST_CHARACTERS:
+        return []
+    names, low = list(known), text.lower()
+    same = [name for name in names if name.lower() == low]
+    return same[:1] or difflib.get_close_matches(low, names, 1)
 
 
 def unknown_name(

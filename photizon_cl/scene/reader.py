@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final, TypeVar
@@ -20,8 +20,8 @@ from photizon_cl.scene.described import (
     parameters_of,
 )
 from photizon_cl.scene.elements import Element
-from photizon_cl.scene.limits import MOST_CHARACTERS
 from photizon_cl.scene.media.medium import Medium
+from photizon_cl.scene.names import similar
 from photizon_cl.scene.parameters import BAD
 from photizon_cl.scene.registry import COATINGS, ELEMENTS, SCATTERS, SOURCES, SURFACES
 from photizon_cl.scene.scatters import Scatter
@@ -89,16 +89,6 @@ def _title(cls: type[Described]) -> str:
     if cls.kind in ("", cls.label):
         return f"every {cls.label}" if cls in KINDS else f"the {cls.label} table"
     return f"the {cls.label} {cls.kind}"
-
-
-def _similar(word: object, known: Iterable[str]) -> list[str]:
-    """Return the known word that another one was probably meant for; long ones are not read."""
-    text = str(word)
-    if len(text) > MOST_CHARACTERS:
-        return []
-    names, low = list(known), text.lower()
-    same = [name for name in names if name.lower() == low]
-    return same[:1] or difflib.get_close_matches(low, names, 1)
 
 
 class _Reader:
@@ -213,7 +203,7 @@ class _Reader:
             return None
         hint = ""
         if isinstance(kind, str):
-            near = _similar(kind, kinds)
+            near = similar(kind, kinds)
             hint = f"did you mean {show(near[0])}?" if near else ""
         self.complain(where, show(kind), options, hint)
         return None
@@ -264,7 +254,7 @@ class _Reader:
                 continue
             if self.full:
                 break
-            near = [] if item in foreseen else _similar(item, accepted)
+            near = [] if item in foreseen else similar(item, accepted)
             hint = f"did you mean {near[0]}?" if near else foreseen.get(item, "")
             meant.update(near)
             expected = f"no such key; {title} takes {', '.join(accepted)}"

@@ -69,9 +69,9 @@ def spectral_problems(known: Known, groups: Sequence[str]) -> list[Problem]:
                 value = known_glass(value)
             if hasattr(value, "fault"):
                 where = f"{Spectrum.label}.{key}"
-                problems += _faults(value, join(path, item), thing.get("name"), wavelengths, where)
-                if bands and not problems:
-                    problems += _gaps(value, join(path, item), thing.get("name"), wavelengths)
+                about = value, join(path, item), thing.get("name"), wavelengths
+                own = _faults(*about, where)
+                problems += own or (_gaps(*about) if bands else [])
     return problems
 
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from photizon_cl.errors import Problem, join, key, show
 from photizon_cl.scene.described import Described, Known, is_required, parameters_of
-from photizon_cl.scene.limits import MOST_CHARACTERS
+from photizon_cl.scene.names import similar
 from photizon_cl.scene.parameters import BAD
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable
 
 __all__ = ["read_whole"]
 
@@ -48,7 +47,7 @@ def read_whole(
         if not (isinstance(kind, str) and kind in cls):
             shown = show(kind) if "kind" in found else "nothing"
             expected = "one of " + " ".join(map(show, cls))
-            hint = _meant(kind, list(cls)) or f"{title} requires the key kind"
+            hint = _meant(kind, cls) if "kind" in found else f"{title} requires the key kind"
             problems.append(Problem(join(path, "kind"), shown, expected, hint=hint))
             return BAD
         accepted, cls = ["kind"], cls[kind]
@@ -76,7 +75,6 @@ def read_whole(
     return BAD if len(problems) > before else cls(**values)
 
 
-def _meant(word: object, known: Sequence[str]) -> str:
-    text = str(word)
-    near = [] if len(text) > MOST_CHARACTERS else difflib.get_close_matches(text, known, 1)
+def _meant(word: object, known: Iterable[str]) -> str:
+    near = similar(word, known)
     return f"did you mean {near[0]}?" if near else ""

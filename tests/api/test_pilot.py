@@ -228,6 +228,21 @@ def test_check_says_where_no_pilot_can_be_traced(monkeypatch, capsys):
     assert "advisories: none" in out
 
 
+def test_check_says_why_no_time_is_told(tmp_path, capsys):
+    """Of a few hundred rays the weak source's one is too weak beside the others."""
+    lamps = [
+        pz.IsotropicPoint(name=name, flux=flux, position=(0, 0, 0.5))
+        for name, flux in (("lamp", 1.0), ("weak", 1e-18))
+    ]
+    wall = pz.Disk(name="wall", position=(0, 0, 0), axis="+z", radius=1.0, surface=pz.Absorber())
+    weak = pz.Scene(name="weak", source=tuple(lamps), element=(wall,))
+    weak.save(tmp_path / "weak.toml")
+    assert main(["check", str(tmp_path / "weak.toml")]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "the pilot's rays take too long" not in out
+    assert "its rays carry" in out
+
+
 def test_without_a_pilot_both_possibilities_are_said(monkeypatch):
     from photizon_cl.errors import RunError
 

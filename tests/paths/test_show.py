@@ -273,3 +273,14 @@ def test_a_tangle_is_refused_before_it_is_drawn(arguments, told, tmp_path, monke
     assert main(["show", *arguments, "--out", str(out)]) == 2
     assert re.search(told, capsys.readouterr().err)
     assert not out.exists()
+
+
+def test_of_many_lines_fewer_rays_are_drawn(tmp_path, capsys):
+    lines = [400.0 + 5.0 * n for n in range(60)]
+    scene = pz.load("dispersing-prism").replace({"spectrum": pz.Spectrum(wavelengths_nm=lines)})
+    scene = scene.replace({"source[0].spectrum": None})
+    scene.save(tmp_path / "many.toml")
+    assert main(["show", str(tmp_path / "many.toml"), "--out", str(tmp_path / "many.svg")]) == 0
+    assert "50 rays" in capsys.readouterr().out
+    assert "50 rays, seed 1, projected" in (tmp_path / "many.svg").read_text("utf-8")
+    assert pz.paths(scene, 7).launched == 7

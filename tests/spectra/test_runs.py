@@ -125,6 +125,23 @@ def test_the_report_counts_no_spectrum_that_is_there_among_what_is_not(result):
     )
 
 
+def test_the_report_says_of_scatter_and_films_what_the_scene_has():
+    from photizon_cl.views.report.claims import _physics
+
+    said = {
+        name: " ".join(map(str, _physics(pz.trace(name, batches=1, rays_per_batch=16))))
+        for name in ("scattering-mirror", "coated-window", "cosine-fourth")
+    }
+    assert "but for their scatter without roughness or dust" in said["scattering-mirror"]
+    assert "without measured scatter, roughness or dust" in said["cosine-fourth"]
+    assert "as their coatings say, within which alone films interfere" in said["coated-window"]
+    plain = pz.FixedCoating(reflectance=0.1, transmittance=0.9)
+    window = pz.load("ghost-ladder").replace({"element.front.surface.coating": plain})
+    text = " ".join(map(str, _physics(pz.trace(window, batches=1, rays_per_batch=16))))
+    assert "as their coatings say" in text
+    assert "films interfere" not in text
+
+
 def test_files_have_it_and_a_run_goes_on(result, tmp_path):
     result.save(tmp_path / "out")
     again = pz.open_result(tmp_path / "out")

@@ -154,6 +154,10 @@ REFUSED = [
      ["medium[0].dispersion.index[1]", "inf"]),
     ({"medium__0__dispersion": {"kind": "selmeier"}},
      ["medium[0].dispersion.kind", "selmeier", "did you mean sellmeier"]),
+    ({"medium__0__dispersion": {"kind": "xyzzy"}},
+     ["medium[0].dispersion.kind", '"xyzzy"', "expected one of"]),
+    ({"medium__0__dispersion": {"kind": "cauchy", "a": 1.5, "A": 1.5}},
+     ["medium[0].dispersion.a", "no such key", "did you mean A"]),
     ({"medium__0__dispersion": {**spectra.N_BK7, "C_um2": [0.1]}},
      ["medium[0].dispersion.C_um2", "1 of them", "3 numbers"]),
     ({"medium__0__dispersion": {"kind": "cauchy", "B_um2": 1.0}},
@@ -192,6 +196,39 @@ def test_what_is_wrong_is_refused_in_one_line(changes, wanted):
         if low and "486.1" not in wanted:
             found["spectrum"]["wavelengths_nm"] = [500.0, 587.6, 656.3]
     refused(found, *wanted)
+
+
+def test_a_gap_in_a_band_is_told_beside_what_else_is_wrong():
+    resonant = {"kind": "sellmeier", "B": [1.0, 0.01], "C_um2": [0.01, 0.25]}
+    found = tables(
+        spectrum={"edges_nm": [400.0, 490.0, 600.0, 650.0]},
+        source__0__spectrum=[1.0, 2.0],
+        medium__0__dispersion=resonant,
+    )
+    with pytest.raises(pz.SceneError) as caught:
+        pz.load(found)
+    both = str(caught.value).splitlines()
+    assert len(both) == 2
+    assert "source[0].spectrum" in both[0]
+    assert "it has none at 500 nm" in both[1]
+
+
+def test_a_hint_names_no_key_that_was_given():
+    with pytest.raises(pz.SceneError) as caught:
+        pz.load(tables(medium__0__dispersion={"kind": "xyzzy"}))
+    assert "requires the key kind" not in str(caught.value)
+
+
+def test_indices_that_meet_at_one_wavelength_are_no_face_without_effect():
+    table = {"kind": "table", "wavelength_nm": [480.0, 587.6, 660.0]}
+    for index, told in (([1.7, 1.5, 1.4], False), ([1.5, 1.5, 1.5], True)):
+        found = tables(
+            medium=[{"name": "bk7", "dispersion": {**table, "index": index}},
+                    {"name": "oil", "index": 1.5}],
+            element__0__surface={"kind": "fresnel", "medium": "bk7", "medium_outside": "oil"},
+        )  # fmt: skip
+        said = pz.advisories(pz.load(found))
+        assert any("same index on both sides" in text for text in said) == told
 
 
 def test_python_refuses_the_same():

@@ -129,16 +129,7 @@ class Coating(DeviceKind):
         ArgumentError
             Where an angle is none, or there is no wavelength and it depends on that.
         """
-        met = meeting(angle_deg, index, index_outside, inside=inside)
-        try:
-            return self.at(nm).parts(met, nm)
-        except ArgumentError:
-            raise
-        except ValueError as error:
-            raise ArgumentError(
-                "nm: found no wavelength, expected one, in nanometres: what the coating does "
-                "depends on it"
-            ) from error
+        return self.at(nm).parts(meeting(angle_deg, index, index_outside, inside=inside), nm)
 
     def derived(self) -> dict[str, tuple[float, str]]:
         """Return derived quantities: name → (value, unit)."""

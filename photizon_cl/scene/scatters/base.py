@@ -131,7 +131,7 @@ class Scatter(DeviceKind):
 
 @lru_cache(maxsize=256)
 def _greatest(model: Scatter) -> tuple[float, float]:
-    """Return what `greatest_tis` does: a surface asks for it anew at every wavelength."""
+    """Return what `greatest_tis` does; scenes that are changed are checked anew."""
     if model.falls:
         return float(total_at(model, np.array([1.0]))[0]), 0.0
     return greatest(model)

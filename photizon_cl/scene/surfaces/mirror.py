@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -82,7 +83,7 @@ class Mirror(Surface):
             "reflectance": value.value[0] if isinstance(value, AngleCurve) else number_of(value)
         }
 
-    @property
+    @cached_property
     def coat(self) -> TableCoating | None:
         """Its table over angle, as that of a coating that lets nothing pass."""
         if not isinstance(self.reflectance, AngleCurve):

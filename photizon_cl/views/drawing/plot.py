@@ -16,6 +16,7 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Poly3DCollection,
 )
 
+from photizon_cl.errors import counted
 from photizon_cl.geometry.outlines import edges, facets
 from photizon_cl.result.paths import Paths
 from photizon_cl.views.drawing.panels import arrange
@@ -103,8 +104,8 @@ def draw_scene(found: Paths | Scene, by: str = "generation") -> Figure:
     )  # fmt: skip
     notes = ["no rays drawn"]
     if isinstance(found, Paths):
-        run = scene.run
-        notes = [f"{run.rays_per_batch} rays, seed {run.seed}, projected on each panel"]
+        rays_drawn = counted(found.launched, "ray")
+        notes = [f"{rays_drawn}, seed {scene.run.seed}, projected on each panel"]
         notes += _cut_short(found)
     if not label and isinstance(found, Paths):
         notes.append("no ray meets more than one surface")
@@ -116,8 +117,9 @@ def draw_scene(found: Paths | Scene, by: str = "generation") -> Figure:
 
 def _cut_short(found: Paths) -> list[str]:
     """Return what a reader must know: a capped part too small to be drawn is left out."""
-    small = found.ledger["depth-capped"] < FAINTEST * found.unit_power
-    return found.advisories[:-1] if small and found.ledger["depth-capped"] else found.advisories
+    capped = found.ledger.get("depth-capped", 0.0)
+    small = 0.0 < capped < FAINTEST * found.unit_power
+    return found.advisories[:-1] if small else found.advisories
 
 
 def _plain(text: str) -> str:

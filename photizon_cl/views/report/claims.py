@@ -148,7 +148,9 @@ def _physics(result: Estimates) -> Iterator[Markup]:
     glass = f" Glass reflects and refracts {light}" if refracts else ""
     coated = any(surface.refracts and surface.coat is not None for surface in surfaces)
     if coated:
-        glass += ", coated faces as their coatings say, within which alone films interfere"
+        films = any(surface.coat is not None and surface.coat.polarises for surface in surfaces)
+        alone = ", within which alone films interfere" if films else ""
+        glass += f", coated faces as their coatings say{alone}"
     inside = Markup()
     absorbing = [medium.name for medium in result.scene.medium if medium.absorbs]
     if absorbing:
@@ -162,10 +164,16 @@ def _physics(result: Estimates) -> Iterator[Markup]:
         glass += nothing if glass else ""
     without = ", ".join(lacks).capitalize() or "Media by their constants"
     yield Markup("<strong>{}.</strong> {}{}{}").format(without, constants, glass, inside)
+    lobes = any(surface.lobe is not None for surface in surfaces)
+    missing = (
+        "but for their scatter without roughness or dust"
+        if lobes
+        else ("without measured scatter, roughness or dust")
+    )
     yield Markup(
-        "<strong>Ideal surfaces and exact shapes.</strong> {}, without measured scatter, roughness "
-        "or dust; shapes without tolerances or mounts."
-    ).format(_surfaces(result))
+        "<strong>Ideal surfaces and exact shapes.</strong> {}, {}; shapes without tolerances or "
+        "mounts."
+    ).format(_surfaces(result), missing)
     if result.detectors:
         yield Markup(
             "<strong>Detectors count one side</strong> and all angles of incidence alike; the "
