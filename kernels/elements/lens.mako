@@ -37,17 +37,24 @@ FN mask in_edge_${cls.suffix}(__global const double *row, real x, real y, real w
     return LE(fabs(w), along + R(row[LENS_HALF])) & ALL_LANES_IF(row[LENS_HALF] > 0.0);
 }
 
-// Whether the ray meets a face at t within its rims, to the rounding of its coordinates there and of t.
+// Whether the ray meets a face at t within its rims, to the rounding of its coordinates there and of t, which on the
+// edge is then put to where the ray is within them: other elements may stand between.
 % for name in faces:
-FN mask within_${name}_${cls.suffix}(__global const double *row, const quadric_t *q, const meridian_t *r, real a, real t, real s,
+FN mask within_${name}_${cls.suffix}(__global const double *row, const quadric_t *q, const meridian_t *r, real a, real *t, real s,
                               real near) {
-    const real x = fma(t, r->dx, r->x), y = fma(t, r->dy, r->y), w = fma(t, r->dw, r->w);
+    const real x = fma(*t, r->dx, r->x), y = fma(*t, r->dy, r->y), w = fma(*t, r->dw, r->w);
     // of the place over the middle, whose height w was taken from; what is farther away than the lens is not at
     // its rims
     near ${point("lens.grown", "+=")} fmin((fabs(x) + fabs(y) + fabs(w) + fabs(splat(${"row[LENS_HALF]" if name == "edge" else f"row[LENS_{name.upper()}_VERTEX]"}))) * R(4.0 * UNIT_ROUNDOFF), splat(row[LENS_MOST] - row[LENS_NEAR]));
     const real slide = quadric_slide(q, a, quadric_steepness(q, x, y, w), s, near);
-    return in_${name}_${cls.suffix}(row, x, y, w, fma(slide, fabs(r->dw), near),
+    const mask there = in_${name}_${cls.suffix}(row, x, y, w, fma(slide, fabs(r->dw), near),
                               fma(slide, fabs(r->dx) + fabs(r->dy), near));
+% if name == "edge":
+    // a ray may graze it for as long as one likes, while the others bend away; of little, as in a corner, t is right
+    const real tall = fma(near, R(16.0), splat(row[LENS_HALF])), rim = clamp(w, -tall, tall);
+    *t = SEL(there & NE(w, rim), ${point("lens.beside", "(rim - r->w) / r->dw")}, *t);
+% endif
+    return there & GE(*t, splat(0.0));
 }
 % endfor
 
@@ -159,7 +166,7 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
 % endif
 % endif
         const mask meets = quadric_crossing(&q${n}, &r${n}, a${n}, start${n}, at${n}, inside, polishes${n}, slack, rounding, least, &t, &s);
-        mask ok = asked & ~left${n} & meets & GE(t, zero) & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, t, s, near);
+        mask ok = asked & ~left${n} & meets & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, &t, s, near);
 % if "contact" in effects:
         // of a face that it starts on and does not hit, on whichever side, the near root is no hit either
         ok &= ~begins${n};
@@ -174,10 +181,10 @@ ${"" if name == "edge" else f" & LE(r{n}.w, R(fmax(-row[LENS_{name.upper()}_SAG]
 % else:
             const real across = fabs(start${n}.b);
 % endif
-            const real chord = quadric_chord(&q${n}, &r${n}, a${n}, start${n}, polishes${n});
-            t = SEL(chords, chord, t);
+            real chord = quadric_chord(&q${n}, &r${n}, a${n}, start${n}, polishes${n});
             ok = SELM(chords, SELM(inside, GT(a${n}, zero), ${point("lens.hollow", f"LT(a{n}, zero)")})
-                          & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, chord, across, near), ok);
+                          & within_${name}_${cls.suffix}(row, &q${n}, &r${n}, a${n}, &chord, across, near), ok);
+            t = SEL(chords, chord, t);
         }
         // in a corner, rounding may have put the start of a ray that is inside behind the other face
         const mask corner = ours & inside & ~left${n} & LE(fabs(height${n}), near) & GT(start${n}.b, zero)

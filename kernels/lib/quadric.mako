@@ -78,10 +78,10 @@ FN real quadric_chord(const quadric_t *q, const meridian_t *r, real a, quadric_f
     return t;
 }
 
-// How far rounding may move the root t along the ray: much where the ray grazes the surface, where rounding
-// tells no root from the other and the ray's tangent is as good.  near: the rounding of a coordinate there.
+// How far rounding may move the root t along the ray: much where the ray grazes the surface, and no more
+// than its tangent leaves it.  near: the rounding of a coordinate there.
 FN real quadric_slide(const quadric_t *q, real a, real steepness, real s, real near) {
-    const real rise = R(0.5) * near * (steepness + fabs(q->c) * near), bent = R(0.5) * fabs(a) * rise;
-    const real least = ${point("quadric.grazed", "fmax(s, sqrt(bent))")};
-    return rise / (least + bent / least);
+    const real rise = R(0.5) * near * (steepness + fabs(q->c) * near);
+    // rise s / (s^2 + |a| rise / 2)
+    return rise / fma(R(0.5) * fabs(a), rise / s, s);
 }

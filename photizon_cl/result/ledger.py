@@ -143,6 +143,9 @@ class Group(Table[Estimate]):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         return self[name]
 
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(name for name in self if name.isidentifier())]
+
 
 @dataclass(frozen=True)
 class Roulette:
@@ -285,7 +288,7 @@ class Ledger:
         )
 
     @property
-    def absorbed_in(self) -> Mapping[str, Estimate]:
+    def absorbed_in(self) -> Group:
         """What media absorbed, by their names, in the order of the scene."""
         return self._group(ABSORBED_IN)
 
@@ -302,6 +305,10 @@ class Ledger:
         if not found:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         return found
+
+    def __dir__(self) -> list[str]:
+        groups = {name.partition(".")[0] for name in self.names.values()}
+        return [*super().__dir__(), *groups]
 
     def _group(self, group: str) -> Group:
         rows = {

@@ -276,9 +276,9 @@ class PathTable(Sequence[PathRow]):
                 column.append(rest.get(name))
         columns["sigma"] = [math.nan if s is None else s for s in columns["sigma"]]
         made = data_frame_of(columns)
-        # numbers of rays stay whole beside one that is not known
-        unknown = [name for name in names[4:] if None in columns[name]]
-        return made.astype(dict.fromkeys(unknown, "Int64"))
+        # numbers stay whole beside one that is not known
+        whole = dict.fromkeys(names[3:], "Int64")
+        return made.astype({"sequence": object, "power": float, "sigma": float, **whole})
 
     def summary(self) -> dict[str, Any]:
         """Return what the summary says: how many, the strongest, and the rest."""

@@ -102,6 +102,8 @@ def refine(
         )
     start = type(result)(compiled, result.tally.copy(), info)
     if start.batches and goal.reached(compiled.layout, start.tally):
+        info = dataclasses.replace(info, forecast=result.info.forecast)
+        start = type(result)(compiled, start.tally, info)
         if not len(missing(start)):
             return start
         return type(result)(compiled, start.tally, with_trails(start, _selector(device)))

@@ -325,7 +325,13 @@ def _marks(given: Path) -> list[tuple[int, int, int] | None]:
 
 def open_directory(path: str | os.PathLike[str]) -> Estimates:
     """Return what a result says that was saved, see `photizon_cl.open_result`."""
-    return steady(path, lambda: _open_directory(path))
+    opened = steady(path, lambda: _open_directory(path))
+    if not opened.batches:
+        raise ResultError(
+            f"{show(os.fspath(path))}: found no batch, expected one at least: the run that wrote "
+            "it had made none yet, and photizon resume goes on with it"
+        )
+    return opened
 
 
 def _open_directory(path: str | os.PathLike[str]) -> Estimates:

@@ -233,7 +233,8 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     Raises
     ------
     ResultError
-        Where there is no result, it is damaged, or there is no memory for its maps and far field.
+        Where there is no result, it is damaged, it holds no batch yet, or there is no memory for
+        its maps and far field.
     """
     from photizon_cl.run.directory import open_directory
 

@@ -77,13 +77,21 @@ def test_rays_along_the_edge_get_out_where_they_do() -> None:
         assert lens_guards.wrong_ways_along_the_edge(where, seed, 400) == []
 
 
+def test_what_runs_along_the_edge_leaves_by_the_face_that_goes_on_from_it() -> None:
+    lens_guards.grazing_rays_leave_by_a_smooth_rim()
+
+
+def test_a_screen_hides_a_lens_in_single_precision_too() -> None:
+    lens_guards.a_screen_hides_the_lens_behind_it("fp32")
+
+
 @pytest.mark.slow  # tests/mutants asserts them before it breaks anything
 @pytest.mark.parametrize(
     "gate",
     [
         lens_guards.rims_hold,
         lens_guards.grazing_roots_stay,
-        lens_guards.grazing_rays_leave_by_a_smooth_rim,
+        lens_guards.a_screen_hides_the_lens_behind_it,
     ],
     ids=lambda gate: gate.__name__,
 )

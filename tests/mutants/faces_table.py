@@ -178,9 +178,9 @@ MUTANTS = (
         lens_guards.grazing_roots_stay,
     ),
     Mutant(
-        "a root that grazes is known as well as where rounding has put it",
-        {"quadric.grazed": "s"},
-        lens_guards.grazing_rays_leave_by_a_smooth_rim,
+        "a root that rounding has put beyond the rims is met where it was put",
+        {"lens.beside": "*t"},
+        lens_guards.a_screen_hides_the_lens_behind_it,
     ),
     Mutant(
         "a chord is polished once",

@@ -81,6 +81,8 @@ def test_killed_before_the_first_batch(whole, tmp_path, monkeypatch):
             pz.trace(SCENE, rays_per_batch=RAYS, batches=10, checkpoint=tmp_path)
     with pytest.raises(pz.ResultError, match="before its first batch"):
         pz.open_result(tmp_path)
+    with pytest.raises(pz.ResultError, match="found no batch"):
+        pz.open_result(tmp_path / "checkpoint.nc")
     assert pz.resume(tmp_path).tally_digest == whole.tally_digest
 
 

@@ -118,6 +118,8 @@ def test_its_row_has_a_name_everywhere(tmp_path, capsys):
     assert result.ledger.others["importance balance"].value == found.value
     assert result.ledger.importance.balance.value == found.value
     assert list(result.ledger.importance) == ["balance"]
+    assert {"importance", "absorbed"} <= set(dir(result.ledger))
+    assert "balance" in dir(result.ledger.importance)
     again = pickle.loads(pickle.dumps(result.ledger))
     assert again.importance["balance"] == copy.copy(result.ledger).importance.balance == found
     for missing in (lambda: result.ledger.important, lambda: result.ledger.importance.killed):

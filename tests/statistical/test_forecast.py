@@ -258,6 +258,12 @@ def test_a_run_that_is_over_at_once_is_told_at_its_end(room):
     assert Outlook(goal, kept.seconds, 8, kept).kept is kept
 
 
+def test_where_nothing_is_run_it_stays(room):
+    assert room.refine(max_seconds=100.0).info.forecast == room.info.forecast
+    assert room.refine(batches=9).info.forecast == room.info.forecast
+    assert room.refine(batches=10).info.forecast.after_batches == 10
+
+
 def test_what_is_left_is_the_rest_of_what_was_told():
     seen = []
     pz.trace("box-room", batches=400, rays_per_batch=2048, progress=seen.append)
