@@ -12,12 +12,12 @@ import numpy as np
 from hostcode.errors import Abandoned
 from hostcode.run.usual import usual_plan
 from photizon_cl.checks.precision import DEFAULT
-from photizon_cl.compile.compiled import compile_scene
 from photizon_cl.result.needed import batches_needed
 from photizon_cl.result.outlay import Outlay, Untold
 from photizon_cl.result.statistics import LIT_COUNT, Accumulator, complete
 from photizon_cl.result.stopping import LEAST_BATCHES, judged
 from photizon_cl.run.distribution import compute, make_engine, open_chosen
+from photizon_cl.run.pilot import compiled_for_few
 
 if TYPE_CHECKING:
     from hostcode.device.device import DeviceRecord
@@ -66,9 +66,7 @@ def outlay(
     """
     run = scene.run
     rays = max(min(_RAYS, run.rays_per_batch), scene.fewest_rays)
-    compiled = compile_scene(
-        scene, dataclasses.replace(run, rays_per_batch=rays), precision=precision
-    )
+    compiled = compiled_for_few(scene, dataclasses.replace(run, rays_per_batch=rays), precision)
     if compiled.layout.n_cells > _MOST_CELLS:
         return Untold("the scene has very many bins, and each batch takes long by them alone")
     record = open_chosen(device).record

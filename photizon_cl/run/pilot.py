@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from photizon_cl.scene.model import Scene
     from photizon_cl.scene.settings import RunSettings
 
-__all__ = ["counted_by_pilot", "pilot", "pilot_of_capped", "without_bins"]
+__all__ = ["compiled_for_few", "counted_by_pilot", "pilot", "pilot_of_capped", "without_bins"]
 
 _RAYS: Final = 512
 _SEED: Final = 0x70696C6F74
@@ -94,7 +94,7 @@ def pilot(
     cap = scene.run.generation_cap
     rays = max(_RAYS, scene.fewest_rays)
     settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
-    flight = _Flight(_compiled(without_bins(scene), settings, precision), device, plan, stop)
+    flight = _Flight(compiled_for_few(without_bins(scene), settings, precision), device, plan, stop)
     left: list[tuple[int, float]] = []
     missed = interactions = 0.0
     complete = False
@@ -132,7 +132,7 @@ def counted_by_pilot(
     """
     rays = max(_RAYS, scene.fewest_rays)
     settings = dataclasses.replace(scene.run, seed=_SEED, rays_per_batch=rays)
-    compiled = _compiled(without_bins(scene), settings, precision)
+    compiled = compiled_for_few(without_bins(scene), settings, precision)
     counting = [group for group in compiled.layout.groups if group.counted_as]
     if not counting:
         return []
@@ -175,7 +175,7 @@ def pilot_of_capped(
     return found if found.complete or not stop() else None
 
 
-def _compiled(scene: Scene, settings: RunSettings, precision: str) -> CompiledScene:
+def compiled_for_few(scene: Scene, settings: RunSettings, precision: str) -> CompiledScene:
     """Compile a scene for a pilot's few rays.
 
     Where a source, or one of its lines, has one ray of a few hundred and one of the run's many,

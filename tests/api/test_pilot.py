@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import photizon_cl as pz
@@ -228,8 +230,7 @@ def test_check_says_where_no_pilot_can_be_traced(monkeypatch, capsys):
     assert "advisories: none" in out
 
 
-def test_check_says_why_no_time_is_told(tmp_path, capsys):
-    """Of a few hundred rays the weak source's one is too weak beside the others."""
+def test_check_tells_the_time_where_a_source_is_too_weak_for_few_rays(tmp_path, capsys):
     lamps = [
         pz.IsotropicPoint(name=name, flux=flux, position=(0, 0, 0.5))
         for name, flux in (("lamp", 1.0), ("weak", 1e-18))
@@ -240,7 +241,17 @@ def test_check_says_why_no_time_is_told(tmp_path, capsys):
     assert main(["check", str(tmp_path / "weak.toml")]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "the pilot's rays take too long" not in out
-    assert "its rays carry" in out
+    assert "its rays carry" not in out
+    assert re.search(r"time: .*\d s", out)
+
+
+def test_check_says_why_no_time_is_told(monkeypatch, capsys):
+    def fails(*_, **__):
+        raise pz.RunError("the device is on fire")
+
+    monkeypatch.setattr("photizon_cl.run.outlay.outlay", fails)
+    assert main(["check", "box-room"]) == 0
+    assert "the device is on fire" in capsys.readouterr().out
 
 
 def test_without_a_pilot_both_possibilities_are_said(monkeypatch):

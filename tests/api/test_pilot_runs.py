@@ -71,7 +71,7 @@ def test_a_source_too_weak_for_few_rays_is_no_fault_of_the_scene(capsys, tmp_pat
 def test_what_is_raised_changes_no_share():
     cut = faint()
     for sources in (cut.source, (lamp("a"), lamp("b", flux=1e-40), lamp("c", flux=0.3))):
-        made = module._compiled(scene(*sources), pz.RunSettings(rays_per_batch=512), "fp64")
+        made = module.compiled_for_few(scene(*sources), pz.RunSettings(rays_per_batch=512), "fp64")
         shares = [1.0 if s.share is None else s.share for s in made.scene.source]
         assert made.rays_of_source[1] == 1
         assert sum(made.rays_of_source) == 512
@@ -111,7 +111,7 @@ def test_weak_lines_are_raised_and_others_stay(powers):
     cut = by_lines(*powers)
     for sources in (cut.source, (*cut.source, lamp("b", flux=1e-40, spectrum=powers))):
         both = dataclasses.replace(cut, source=sources)
-        made = module._compiled(both, pz.RunSettings(rays_per_batch=512), "fp64")
+        made = module.compiled_for_few(both, pz.RunSettings(rays_per_batch=512), "fp64")
         raised = made.scene.source[0]
         assert raised.flux == pytest.approx(1.0, rel=1e-9)
         for before, after in zip(powers, raised.spectrum, strict=True):

@@ -130,7 +130,6 @@ def test_a_disk_that_is_full_ends_the_sweep_and_it_goes_on(file, capsys, monkeyp
     [
         ([""], "FILE: found nothing"),
         (["angles.json", "--out", ""], "--out: found nothing, expected a directory"),
-        (["angles.json", "--no-figures"], "--no-figures: found no --out"),
         (["angles.json", "--max-seconds", "0"], "--max-seconds: found 0.0, expected a positive"),
         (["angles.json", "--device", "no such one", "--out", "out"], "device: "),
         (["angles.json", "--out", "angles.json"], '"angles.json" is a file'),
