@@ -372,20 +372,20 @@ def test_reports_beside_runs_that_end(tmp_path):
         "    r = pz.trace('box-room', batches=n, rays_per_batch=2048, checkpoint=f)\n"
         "    r.save(f, figures=False)\n"
     )
-    run = subprocess.Popen(
+    told, read = [], 0
+    with subprocess.Popen(
         [sys.executable, "-c", code, str(tmp_path)],
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stderr=subprocess.PIPE,
         text=True,
-    )
-    told, read = [], 0
-    while run.poll() is None:
-        try:
-            pz.open_result(tmp_path)
-            read += 1
-        except pz.ResultError as error:
-            told.append(str(error))
-    assert run.returncode == 0, run.stderr and run.stderr.read()
+    ) as run:
+        while run.poll() is None:
+            try:
+                pz.open_result(tmp_path)
+                read += 1
+            except pz.ResultError as error:
+                told.append(str(error))
+        assert run.returncode == 0, run.stderr and run.stderr.read()
     assert read > 20
     assert not [text for text in told if "damaged" in text]
